@@ -1,0 +1,10 @@
+# Flags that every target of the project is compiled with.
+add_library(clbvh_flags INTERFACE)
+# Contraction is off so that a distance computed here equals the kernels' to the bit.
+target_compile_options(clbvh_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -ffp-contract=off
+  $<$<BOOL:${CLBVH_WERROR}>:-Werror>)
+if(CLBVH_SANITIZE)
+  target_compile_options(clbvh_flags INTERFACE -fsanitize=${CLBVH_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(clbvh_flags INTERFACE -fsanitize=${CLBVH_SANITIZE})
+endif()

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "clbvh/core/build_options.hpp"
+#include "clbvh/core/build_stats.hpp"
+#include "clbvh/core/bvh.hpp"
+#include "clbvh/core/mesh.hpp"
+#include "clbvh/device/context.hpp"
+#include "clbvh/registry.hpp"
+
+namespace clbvh {
+
+/// Builds trees with one builder on one device, and keeps programs and memory between builds.
+///
+///     clbvh::Builder builder("plocpp");
+///     clbvh::Bvh bvh = builder.build(mesh);
+///
+/// build() is upload(), run() and download() in one call; the three apart let a caller time or repeat the middle.
+/// After any exception the builder can be used again. One thread at a time.
+class Builder {
+public:
+    /// Opens the default device. Throws what Context::open, find_builder and check_options throw.
+    explicit Builder(std::string_view builder_id, const BuildOptions& options = {});
+    /// Runs on the caller's device.
+    Builder(std::string_view builder_id, Context context, const BuildOptions& options = {});
+    Builder(Builder&&) noexcept;
+    Builder& operator=(Builder&&) noexcept;
+    ~Builder();
+
+    /// Uploads, runs, downloads. Fills `stats` where given.
+    [[nodiscard]] Bvh build(const Mesh& mesh, BuildStats* stats = nullptr);
+
+    /// Checks the mesh (throws what check_mesh throws, before any work) and copies it to the device.
+    void upload(const Mesh& mesh);
+    /// Builds from the uploaded mesh to a finished tree in device memory, and waits for it.
+    /// Throws Error(invalid_input) where nothing was uploaded, Error(cancelled) where the progress callback said no.
+    BuildStats run();
+    /// Copies the last finished tree to the host. Throws Error(invalid_input) where there is none.
+    [[nodiscard]] Bvh download() const;
+
+    [[nodiscard]] const BuilderInfo& info() const noexcept;
+    [[nodiscard]] const BuildOptions& options() const noexcept;
+    [[nodiscard]] const Context& context() const noexcept;
+    /// The shape that runs: what BuildOptions::shape was resolved to, group or lane.
+    [[nodiscard]] Shape shape() const noexcept;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// One call from a host mesh to a tree, on the default device.
+[[nodiscard]] Bvh build(const Mesh& mesh, std::string_view builder_id = "plocpp", const BuildOptions& options = {},
+                        BuildStats* stats = nullptr);
+
+}  // namespace clbvh

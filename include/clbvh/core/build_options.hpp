@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "clbvh/core/build_stats.hpp"
+
+namespace clbvh {
+
+/// How a kernel lays its work out. Both shapes give the same tree.
+enum class Shape : std::uint8_t {
+    automatic,  ///< lane on CPU devices that pass the self-test, group elsewhere.
+    group,      ///< A work group shares a chunk in local memory with barriers, as the papers write it.
+    lane,       ///< Work-group size 1: one work item owns a chunk and loops over it.
+};
+
+/// Which spatial code orders the primitives.
+enum class MortonCode : std::uint8_t {
+    xyz,       ///< 3D, 21 bits an axis.
+    extended,  ///< 4D extended (Vinkler, Bittner, Havran 2017): axes split longest first, with bits for the primitive's
+               ///< size.
+};
+
+/// How the fused kernels of PLOC++ pack a distance and its neighbour into one integer (section 4.3).
+enum class NeighbourEncoding : std::uint8_t {
+    automatic,  ///< bits32.
+    bits32,     ///< Distance with its lowest mantissa bits replaced by the relative offset.
+    bits64,     ///< Exact distance above the offset; the group shape needs 64-bit local atomics, or the scan search.
+};
+
+/// How the group shape finds neighbours in local memory.
+enum class NeighbourSearch : std::uint8_t {
+    automatic,  ///< symmetric on GPUs, scan on CPU devices, where local atomics cost more than the distances they save.
+    symmetric,  ///< Each pair measured once, both sides updated by a local atomic minimum (PLOC++ algorithm 1).
+    scan,       ///< Each side measures its own 2 R pairs; no atomics.
+};
+
+/// Options of the device builders. A zero size means: chosen for the device.
+struct BuildOptions {
+    std::uint32_t search_radius = 16;          ///< R of PLOC and PLOC++: neighbours searched to each side, 1 to 32.
+    Shape shape = Shape::automatic;            ///< See Shape.
+    MortonCode morton_code = MortonCode::xyz;  ///< See MortonCode.
+    NeighbourEncoding neighbour_encoding = NeighbourEncoding::automatic;  ///< See NeighbourEncoding.
+    NeighbourSearch neighbour_search = NeighbourSearch::automatic;        ///< See NeighbourSearch.
+    std::uint32_t single_group_threshold =
+        8192;                           ///< plocpp: clusters below which one work group finishes the tree, 2 to 2^20.
+    std::uint32_t chunk_size = 0;       ///< Clusters per chunk of the lane shape, 64 to 4096 in steps of 64; 0: chosen.
+    std::uint32_t work_group_size = 0;  ///< Work items of the group shape, a power of two, 32 to 1024; 0: chosen.
+    std::uint32_t range_count = 0;      ///< plocpp-two-level: least number of Morton ranges, 1 to 512; 0: chosen.
+    ProgressCallback progress;          ///< Called between launches; may cancel.
+};
+
+/// Throws Error(invalid_input) naming the first option out of its range.
+void check_options(const BuildOptions& options);
+
+[[nodiscard]] std::string_view to_string(Shape shape) noexcept;                 ///< "auto", "group", "lane"
+[[nodiscard]] std::string_view to_string(MortonCode code) noexcept;             ///< "xyz", "extended"
+[[nodiscard]] std::string_view to_string(NeighbourEncoding encoding) noexcept;  ///< "auto", "bits32", "bits64"
+[[nodiscard]] std::string_view to_string(NeighbourSearch search) noexcept;      ///< "auto", "symmetric", "scan"
+
+[[nodiscard]] std::optional<Shape> shape_from(std::string_view name) noexcept;
+[[nodiscard]] std::optional<MortonCode> morton_code_from(std::string_view name) noexcept;
+[[nodiscard]] std::optional<NeighbourEncoding> neighbour_encoding_from(std::string_view name) noexcept;
+[[nodiscard]] std::optional<NeighbourSearch> neighbour_search_from(std::string_view name) noexcept;
+
+}  // namespace clbvh

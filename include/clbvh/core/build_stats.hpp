@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace clbvh {
+
+/// What one stage of a build cost.
+struct StageStats {
+    std::string name;        ///< "bounds", "morton", "sort", "cluster" or "layout".
+    double device_ms = 0.0;  ///< Sum of the kernels' execution times on the device; 0 where the queue does not profile.
+    double host_ms = 0.0;    ///< Wall time that the host spent in the stage's calls, its waits for the device included.
+    std::uint32_t launches = 0;  ///< Kernels enqueued.
+};
+
+/// What a build cost, and what it did.
+struct BuildStats {
+    std::vector<StageStats> stages;
+    double build_ms = 0.0;         ///< Wall time from device-resident input to device-resident finished tree.
+    std::uint32_t launches = 0;    ///< Kernels enqueued, all stages.
+    std::uint32_t iterations = 0;  ///< Rounds of clustering that the host launched one by one; 0 for other builders.
+    std::vector<std::uint32_t> clusters_per_iteration;  ///< Clusters alive at the start of each of those iterations.
+    std::uint64_t peak_device_bytes = 0;                ///< Largest sum of the build's device buffers, input excluded.
+    std::uint64_t inactive_primitives = 0;              ///< Primitives with a NaN coordinate, left out of the tree.
+};
+
+/// How far a build is.
+struct Progress {
+    std::string_view stage;  ///< Name of the stage at work.
+    double fraction = 0.0;   ///< Estimated part of the whole build that is done, 0 to 1, never falling.
+};
+
+/// Called on the building thread between launches. Returning false cancels: the build throws Error(cancelled), and the
+/// builder can be used again.
+using ProgressCallback = std::function<bool(const Progress&)>;
+
+}  // namespace clbvh

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "clbvh/core/bvh.hpp"
+#include "clbvh/core/mesh.hpp"
+
+namespace clbvh {
+
+/// What validate() found.
+struct ValidationReport {
+    bool valid = false;
+    std::string error;         ///< The first violation in traversal order, structure before boxes; empty where valid.
+    std::uint32_t depth = 0;   ///< Edges on the longest path from the root to a leaf.
+    std::uint64_t nodes = 0;   ///< Nodes reached from the root.
+    std::uint64_t leaves = 0;  ///< Leaves among them.
+
+    explicit operator bool() const noexcept { return valid; }
+};
+
+/// Proves that `bvh` is a correct tree over `mesh`: structure as Node documents, every active primitive in exactly one
+/// leaf, inactive ones in none, every box equal to the union recomputed from the triangles to the bit (save that -0
+/// equals +0). A mesh that check_mesh refuses makes every tree invalid. Never reads out of range, whatever the tree
+/// holds. O(n) time and memory.
+[[nodiscard]] ValidationReport validate(const Bvh& bvh, const Mesh& mesh);
+
+}  // namespace clbvh

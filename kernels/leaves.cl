@@ -1,0 +1,31 @@
+// The initial clusters: boxes of the active primitives in Morton order.
+//
+// gather_leaves
+//   in     boxes [.. * 6], primitive_ids [leaf_count] in Morton order
+//   out    leaves [leaf_count * 6]
+//   launch groups of WORK_GROUP_SIZE, each on piece_length leaves
+// number_leaves
+//   out    references [leaf_count]: cluster i is leaf i
+#include "work_group.clh"
+#include "aabb.clh"
+
+// How far ahead of its use a gathered box is fetched.
+#ifndef GATHER_AHEAD
+#define GATHER_AHEAD 16
+#endif
+
+KERNEL void gather_leaves(global const float* boxes, global const uint* primitive_ids, uint leaf_count, uint piece_length,
+                          global float* leaves) {
+    const size_t begin = get_group_id(0) * (size_t)piece_length;
+    const size_t end = min(begin + piece_length, (size_t)leaf_count);
+    FOR_WORK_ITEMS(i, begin, end) {
+        PREFETCH(boxes + BOX_FLOATS * (size_t)primitive_ids[min(i + GATHER_AHEAD, end - 1)]);
+        store_box(leaves + BOX_FLOATS * i, load_box(boxes + BOX_FLOATS * (size_t)primitive_ids[i]));
+    }
+}
+
+KERNEL void number_leaves(uint leaf_count, uint piece_length, global uint* references) {
+    const size_t begin = get_group_id(0) * (size_t)piece_length;
+    const size_t end = min(begin + piece_length, (size_t)leaf_count);
+    FOR_WORK_ITEMS(i, begin, end) { references[i] = (uint)i; }
+}

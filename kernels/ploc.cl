@@ -1,0 +1,177 @@
+// PLOC, the baseline: five kernels an iteration (Meister, Bittner 2018; as described in Benthin et al. 2022, section 3).
+//
+// search       nearest neighbour of each cluster over [i - SEARCH_RADIUS, i + SEARCH_RADIUS], exact distances
+//   in  references [count], leaves, inner (cluster.clh)   out  neighbours [count]: positions
+// merge        mutual pairs become inner nodes in place of their first cluster
+//   inout references, inner, nodes   in neighbours   out valid [count]: 0 where a cluster ended
+// count_valid, scan_counts, compact: the prefix sum over `valid`, in three kernels
+//   in references, valid   out compacted, remaining [1]
+//   launch all but scan_counts: the same number of groups, each on piece_length clusters (a multiple of CHUNK)
+//
+// local  about 9 * WORK_GROUP_SIZE * 4 bytes; lane shape: 9 * CHUNK_STRIDE * 4 + CHUNK * 4
+#include "work_group.clh"
+#include "aabb.clh"
+#include "node.clh"
+#include "scan.clh"
+#include "cluster.clh"
+#define BORDER SEARCH_RADIUS
+#include "chunk.clh"
+
+// Lowers (best, best_key) to (distance, key) where that is smaller in lexicographic order.
+#define LOWER_PAIR(best, best_key, distance, key)                                                \
+    {                                                                                            \
+        const DISTANCE new_distance = (distance);                                                \
+        const POSITION new_key = (key);                                                          \
+        const CONDITION closer = (new_distance < best) | ((new_distance == best) & (new_key < best_key)); \
+        best = closer ? new_distance : best;                                                     \
+        best_key = closer ? new_key : best_key;                                                  \
+    }
+
+static inline void write_neighbours(Chunk chunk, uint length, uint chunk_begin, global uint* neighbours) {
+#if LANE_SHAPE
+#define DISTANCE float16
+#define POSITION uint16
+#define CONDITION int16
+    for (size_t t = BORDER; t < BORDER + length; t += 16) {
+        const Box16 own = chunk_box16(chunk, t);
+        const uint16 here = chunk_begin + (uint)t - BORDER + LANES;
+        float16 best = INFINITY;
+        uint16 best_key = 0xffffffffu;
+#pragma unroll
+        for (uint r = 1; r <= SEARCH_RADIUS; ++r) {
+            LOWER_PAIR(best, best_key, slot_distance16(own, chunk, t + r), here ^ (here + r))
+            LOWER_PAIR(best, best_key, slot_distance16(own, chunk, t - r), here ^ (here - r))
+        }
+        vstore16(here ^ best_key, 0, chunk.partner + t);
+    }
+    FOR_WORK_ITEMS(k, 0, length) { neighbours[chunk_begin + k] = chunk.partner[BORDER + k]; }
+#else
+#define DISTANCE float
+#define POSITION uint
+#define CONDITION int
+    const uint t = get_local_id(0);
+    if (t >= BORDER && t < BORDER + length) {
+        const uint here = chunk_begin + t - BORDER;
+        float best = INFINITY;
+        uint best_key = 0xffffffffu;
+        for (uint r = 1; r <= SEARCH_RADIUS; ++r) {
+            LOWER_PAIR(best, best_key, slot_distance(chunk, t, t + r), here ^ (here + r))
+            LOWER_PAIR(best, best_key, slot_distance(chunk, t, t - r), here ^ (here - r))
+        }
+        neighbours[here] = here ^ best_key;
+    }
+#endif
+}
+
+KERNEL void search(global const uint* references, uint count, uint piece_length, global const float* leaves,
+                   global const float* inner, uint leaf_count, global uint* neighbours) {
+    DECLARE_CHUNK(chunk);
+    const size_t begin = get_group_id(0) * (size_t)piece_length;
+    const size_t end = min(begin + piece_length, (size_t)count);
+    for (size_t chunk_begin = begin; chunk_begin < end; chunk_begin += CHUNK) {
+        load_chunk(chunk, references, count, (uint)chunk_begin, leaves, inner, leaf_count);
+        write_neighbours(chunk, (uint)min((size_t)CHUNK, end - chunk_begin), (uint)chunk_begin, neighbours);
+        LOCAL_BARRIER();
+    }
+}
+
+static inline void merge_pair(uint left, uint right, global uint* references, global const float* leaves, global float* inner,
+                              global float16* nodes, uint leaf_count) {
+    const uint left_reference = references[left];
+    const uint right_reference = references[right];
+    global const float* left_record = record_of(left_reference, leaves, inner, leaf_count);
+    global const float* right_record = record_of(right_reference, leaves, inner, leaf_count);
+    const Box left_box = load_box(left_record);
+    const Box right_box = load_box(right_record);
+    const uint slot = first_position(right_reference, right_record, leaf_count);
+    store_inner(inner, slot, merge_boxes(left_box, right_box), first_position(left_reference, left_record, leaf_count));
+    write_sibling_pair(nodes, slot, left_box, left_reference, right_box, right_reference, leaf_count);
+    references[left] = leaf_count + slot;
+}
+
+KERNEL void merge(global uint* references, uint count, uint piece_length, global const uint* neighbours,
+                  global const float* leaves, global float* inner, global float16* nodes, uint leaf_count,
+                  global uchar* valid) {
+    const size_t begin = get_group_id(0) * (size_t)piece_length;
+    const size_t end = min(begin + piece_length, (size_t)count);
+#if LANE_SHAPE
+    // Which clusters merge is hard to predict, so they are listed without a branch first, a chunk at a time; their records are
+    // fetched meanwhile.
+    local uint merging[CHUNK];
+    for (size_t chunk_begin = begin; chunk_begin < end; chunk_begin += CHUNK) {
+        const size_t chunk_end = min(chunk_begin + CHUNK, end);
+        uint merge_count = 0;
+        for (size_t i = chunk_begin; i < chunk_end; ++i) {
+            const uint neighbour = neighbours[i];
+            const uint mutual = neighbours[neighbour] == i;
+            valid[i] = (uchar)(1 - (mutual & (uint)(neighbour < i)));
+            merging[merge_count] = (uint)i;
+            merge_count += mutual & (uint)(neighbour > i);
+        }
+        for (size_t m = 0; m < merge_count; ++m) {
+            const uint ahead = merging[min(m + 8, (size_t)merge_count - 1)];
+            PREFETCH(record_of(references[ahead], leaves, inner, leaf_count));
+            PREFETCH(record_of(references[neighbours[ahead]], leaves, inner, leaf_count));
+            merge_pair(merging[m], neighbours[merging[m]], references, leaves, inner, nodes, leaf_count);
+        }
+    }
+#else
+    FOR_WORK_ITEMS(i, begin, end) {
+        const uint neighbour = neighbours[i];
+        const int mutual = neighbours[neighbour] == i;
+        valid[i] = !(mutual && neighbour < i);
+        if (mutual && neighbour > i) {
+            merge_pair((uint)i, neighbour, references, leaves, inner, nodes, leaf_count);
+        }
+    }
+#endif
+}
+
+KERNEL void count_valid(global const uchar* valid, uint count, uint piece_length, global uint* counts) {
+    local uint scan[WORK_GROUP_SIZE];
+    const size_t begin = get_group_id(0) * (size_t)piece_length;
+    const size_t end = min(begin + piece_length, (size_t)count);
+    uint mine = 0;
+    FOR_WORK_ITEMS(i, begin, end) { mine += valid[i]; }
+    uint total;
+    group_exclusive_scan(scan, mine, &total);
+    if (LOCAL_ID == 0) {
+        counts[get_group_id(0)] = total;
+    }
+}
+
+KERNEL void scan_counts(global uint* counts, uint group_count, global uint* remaining) {
+    local uint scan[WORK_GROUP_SIZE];
+    uint before = 0;
+    for (uint tile = 0; tile < group_count; tile += WORK_GROUP_SIZE) {
+        const uint g = tile + (uint)LOCAL_ID;
+        const uint here = g < group_count ? counts[g] : 0;
+        uint total;
+        const uint at = group_exclusive_scan(scan, here, &total);
+        if (g < group_count) {
+            counts[g] = before + at;
+        }
+        before += total;
+    }
+    if (LOCAL_ID == 0) {
+        *remaining = before;
+    }
+}
+
+KERNEL void compact(global const uint* references, global const uchar* valid, uint count, uint piece_length,
+                    global const uint* counts, global uint* compacted) {
+    local uint scan[WORK_GROUP_SIZE];
+    const size_t begin = get_group_id(0) * (size_t)piece_length;
+    const size_t end = min(begin + piece_length, (size_t)count);
+    uint kept = counts[get_group_id(0)];
+    for (size_t tile = begin; tile < end; tile += WORK_GROUP_SIZE) {
+        const size_t i = tile + LOCAL_ID;
+        const uint keep = i < end ? valid[i] : 0;
+        uint total;
+        const uint at = group_exclusive_scan(scan, keep, &total);
+        if (keep) {
+            compacted[kept + at] = references[i];
+        }
+        kept += total;
+    }
+}

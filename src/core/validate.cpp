@@ -1,0 +1,192 @@
+#include "clbvh/core/validate.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "clbvh/core/error.hpp"
+
+namespace clbvh {
+namespace {
+
+std::string name_node(std::size_t node) {
+    return "node " + std::to_string(node);
+}
+
+std::string name_primitive(std::size_t primitive) {
+    return "primitive " + std::to_string(primitive);
+}
+
+/// One validation. Every check returns what is wrong, or nothing.
+class Validator {
+public:
+    Validator(const Bvh& bvh, const Mesh& mesh) : bvh_(bvh), mesh_(mesh) {}
+
+    ValidationReport run() {
+        report_.error = check();
+        report_.valid = report_.error.empty();
+        return report_;
+    }
+
+private:
+    struct Visit {
+        std::uint32_t node;
+        std::uint32_t depth;
+    };
+
+    /// Each step relies on what the steps before it have proven.
+    std::string check() {
+        if (std::string fault = check_input(); !fault.empty()) return fault;
+        if (bvh_.empty()) return find_missing_primitive();
+        if (std::string fault = check_node_array(); !fault.empty()) return fault;
+        if (std::string fault = walk(); !fault.empty()) return fault;
+        if (std::string fault = check_contents(); !fault.empty()) return fault;
+        return find_missing_primitive();
+    }
+
+    std::string check_input() {
+        try {
+            inactive_ = check_mesh(mesh_);
+        } catch (const Error& error) {
+            return std::string("the mesh is not valid: ") + error.what();
+        }
+        if (bvh_.primitive_count == mesh_.triangles.size()) return {};
+        return "primitive_count is " + std::to_string(bvh_.primitive_count) + ", but the mesh has " +
+               std::to_string(mesh_.triangles.size()) + " triangles";
+    }
+
+    std::string check_node_array() const {
+        if (bvh_.nodes.size() < 2) return "node 1, the unused zero beside the root, is missing";
+        if (bvh_.nodes[1] != Node{}) return "node 1 is not zero";
+        return {};
+    }
+
+    /// Visits all nodes from the root, parents before children, left before right. Proves that they form a tree whose
+    /// references are in range, and that no primitive is referred to twice.
+    std::string walk() {
+        order_.reserve(bvh_.nodes.size());
+        pair_reached_.assign(bvh_.nodes.size() / 2, false);
+        primitive_reached_.assign(mesh_.triangles.size(), false);
+        pair_reached_[0] = true;
+        std::vector<Visit> stack{{0, 0}};
+        while (!stack.empty()) {
+            const Visit visit = stack.back();
+            stack.pop_back();
+            const Node& node = bvh_.nodes[visit.node];
+            order_.push_back(visit.node);
+            ++report_.nodes;
+            report_.depth = std::max(report_.depth, visit.depth);
+            if (std::string fault = node.is_leaf() ? enter_leaf(visit.node) : enter_inner(visit.node); !fault.empty()) {
+                return fault;
+            }
+            if (node.is_leaf()) continue;
+            stack.push_back({node.first + 1, visit.depth + 1});
+            stack.push_back({node.first, visit.depth + 1});
+        }
+        return {};
+    }
+
+    std::string name_children(std::size_t index) const {
+        const std::size_t first = bvh_.nodes[index].first;
+        return name_node(index) + ": its children " + std::to_string(first) + " and " + std::to_string(first + 1);
+    }
+
+    std::string enter_inner(std::size_t index) {
+        const std::uint32_t first = bvh_.nodes[index].first;
+        if (first % 2 != 0) return name_children(index) + " do not start at an even index";
+        if (std::size_t{first} + 1 >= bvh_.nodes.size()) {
+            return name_children(index) + " are out of range (there are " + std::to_string(bvh_.nodes.size()) +
+                   " nodes)";
+        }
+        if (pair_reached_[first / 2]) return name_children(index) + " have another parent, or are the root";
+        pair_reached_[first / 2] = true;
+        return {};
+    }
+
+    std::string enter_leaf(std::size_t index) {
+        const Node& node = bvh_.nodes[index];
+        ++report_.leaves;
+        const std::uint64_t end = std::uint64_t{node.first} + node.count;
+        if (end > bvh_.primitive_ids.size()) {
+            return name_node(index) + ": its primitive range ends at " + std::to_string(end) + ", but there are " +
+                   std::to_string(bvh_.primitive_ids.size()) + " primitive ids";
+        }
+        for (std::uint64_t slot = node.first; slot < end; ++slot) {
+            const std::uint32_t primitive = bvh_.primitive_ids[slot];
+            if (primitive >= mesh_.triangles.size()) {
+                return name_node(index) + ": " + name_primitive(primitive) + " is out of range (the mesh has " +
+                       std::to_string(mesh_.triangles.size()) + " triangles)";
+            }
+            if (primitive_reached_[primitive]) {
+                return name_node(index) + ": " + name_primitive(primitive) + " is in the tree a second time";
+            }
+            primitive_reached_[primitive] = true;
+            ++primitives_reached_;
+        }
+        return {};
+    }
+
+    /// Proves boxes and activity of all visited nodes, in parallel. An inner box is compared with the stored boxes of
+    /// its children: once every node passes, each box is by induction the union of the triangles below it.
+    std::string check_contents() const {
+        constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+        const std::size_t first_fault = tbb::parallel_reduce(
+            tbb::blocked_range<std::size_t>(0, order_.size(), 4096), none,
+            [&](const auto& range, std::size_t best) {
+                for (std::size_t i = range.begin(); i < range.end() && i < best; ++i) {
+                    if (!check_content(order_[i]).empty()) best = i;
+                }
+                return best;
+            },
+            [](std::size_t a, std::size_t b) { return std::min(a, b); });
+        return first_fault == none ? std::string{} : check_content(order_[first_fault]);
+    }
+
+    std::string check_content(std::size_t index) const {
+        const Node& node = bvh_.nodes[index];
+        Aabb expected;
+        if (node.is_leaf()) {
+            for (std::size_t slot = node.first; slot < std::size_t{node.first} + node.count; ++slot) {
+                const std::uint32_t primitive = bvh_.primitive_ids[slot];
+                if (is_inactive(mesh_, primitive)) {
+                    return name_node(index) + ": " + name_primitive(primitive) + " is inactive";
+                }
+                expected = merge(expected, triangle_bounds(mesh_, primitive));
+            }
+        } else {
+            expected = merge(bvh_.nodes[node.first].bounds(), bvh_.nodes[std::size_t{node.first} + 1].bounds());
+        }
+        // As floats, not as bytes: a box that starts at -0 equals one that starts at +0.
+        if (node.bounds() == expected) return {};
+        return name_node(index) + ": its box is not the union of its " + (node.is_leaf() ? "primitives" : "children");
+    }
+
+    /// Inactive primitives are known to be absent, so a count tells whether an active one is.
+    std::string find_missing_primitive() const {
+        if (primitives_reached_ + inactive_ == mesh_.triangles.size()) return {};
+        std::size_t missing = 0;
+        while (is_inactive(mesh_, missing) || (!primitive_reached_.empty() && primitive_reached_[missing]))
+            ++missing;
+        return name_primitive(missing) + " is in no leaf";
+    }
+
+    const Bvh& bvh_;
+    const Mesh& mesh_;
+    ValidationReport report_;
+    std::uint64_t inactive_ = 0;
+    std::uint64_t primitives_reached_ = 0;
+    std::vector<std::uint32_t> order_;     ///< Visited nodes in traversal order.
+    std::vector<bool> pair_reached_;       ///< One per sibling pair: has a parent.
+    std::vector<bool> primitive_reached_;  ///< One per primitive: is in a leaf.
+};
+
+}  // namespace
+
+ValidationReport validate(const Bvh& bvh, const Mesh& mesh) {
+    return Validator(bvh, mesh).run();
+}
+
+}  // namespace clbvh

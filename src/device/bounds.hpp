@@ -1,0 +1,12 @@
+#pragma once
+
+#include "device/build_buffers.hpp"
+#include "device/launcher.hpp"
+
+namespace clbvh::device {
+
+/// Boxes of the mesh's primitives into buffers.boxes, scene and centroid bounds into buffers.bounds. Two launches.
+void launch_bounds(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers,
+                   const DeviceMesh& mesh);
+
+}  // namespace clbvh::device

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "clbvh/core/build_options.hpp"
+#include "device/session.hpp"
+
+namespace clbvh::device {
+
+/// Work cut into equal contiguous pieces, one work group each.
+struct Pieces {
+    std::uint32_t count;   ///< at least 1
+    std::uint32_t length;  ///< elements a piece, a multiple of the granularity
+};
+
+/// BuildOptions made definite for one device: every automatic choice taken, every size known.
+struct BuildSettings {
+    Shape shape = Shape::group;  ///< group or lane
+    std::uint32_t search_radius = 16;
+    MortonCode morton_code = MortonCode::xyz;
+    bool exact_distances = false;  ///< 64-bit neighbour encoding
+    bool symmetric_search = true;
+    std::uint32_t single_group_threshold = 8192;
+    std::uint32_t range_count = 0;       ///< least number of Morton ranges of plocpp-two-level
+    std::size_t stream_group_size = 1;   ///< work items a group in kernels that pass over arrays
+    std::size_t cluster_group_size = 1;  ///< work items a group in kernels that search neighbours
+    std::uint32_t lane_chunk_size = 0;   ///< clusters a chunk in the lane shape
+    std::uint32_t groups_to_fill = 1;    ///< work groups that keep the whole device busy
+
+    /// Pieces of a pass over an array of `elements`.
+    [[nodiscard]] Pieces stream_pieces(std::uint32_t elements) const;
+    [[nodiscard]] bool lane() const noexcept { return shape == Shape::lane; }
+    /// Clusters a chunk where `border` more are loaded to each side.
+    [[nodiscard]] std::uint32_t chunk_size(std::uint32_t border) const noexcept {
+        return lane() ? lane_chunk_size : static_cast<std::uint32_t>(cluster_group_size) - 2 * border;
+    }
+    /// -D options for kernels that search neighbours.
+    [[nodiscard]] std::string search_defines() const;
+};
+
+/// Cuts `elements` into at most `most` pieces whose length is a multiple of `granularity`.
+[[nodiscard]] Pieces cut_into_pieces(std::uint32_t elements, std::uint32_t most, std::uint32_t granularity);
+
+/// Takes every automatic choice for `session`'s device. Throws Error(invalid_input) where options contradict each
+/// other, and Error(unsupported) where the device cannot do what they ask.
+[[nodiscard]] BuildSettings resolve_settings(const BuildOptions& options, Session& session);
+
+}  // namespace clbvh::device

@@ -1,0 +1,10 @@
+#pragma once
+
+namespace clbvh::device {
+
+class Session;
+
+/// Runs kernels/lane_self_test.cl and compares with the host. False where the result is wrong or the driver refuses.
+[[nodiscard]] bool lane_shape_passes_self_test(Session& session);
+
+}  // namespace clbvh::device

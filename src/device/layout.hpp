@@ -1,0 +1,12 @@
+#pragma once
+
+#include "device/build_buffers.hpp"
+#include "device/launcher.hpp"
+
+namespace clbvh::device {
+
+/// The root into buffers.nodes, whose sibling pairs stand already. One launch.
+void launch_layout(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers,
+                   std::uint32_t leaf_count);
+
+}  // namespace clbvh::device

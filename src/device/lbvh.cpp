@@ -1,0 +1,54 @@
+// LBVH: Lauterbach et al. 2009, Karras 2012, Apetrei 2014.
+
+#include <algorithm>
+
+#include "device/device_algorithm.hpp"
+
+namespace clbvh::device {
+namespace {
+
+constexpr std::uint32_t kPendingBytes = 32;  // PendingCluster of lbvh.cl
+constexpr std::uint32_t kMostPending = 196;  // MAX_PENDING of lbvh.cl
+constexpr std::uint32_t kPiecesPerUnit = 16;
+constexpr std::uint32_t kLeastPieceLength = 1024;
+
+std::uint64_t extra_bytes(const BuildSettings& settings, std::uint32_t) {
+    const std::uint64_t pieces = BuildBuffers::kMostPieces;
+    return settings.lane() ? kPendingBytes * kMostPending * pieces : 0;
+}
+
+void climb(const ClusterJob& job) {
+    Launcher& launcher = job.launcher;
+    const BuildBuffers& b = job.buffers;
+    Kernel& climb = launcher.session().kernel("lbvh.cl", "climb", job.settings.stream_group_size, "");
+    const std::size_t group_size = job.settings.stream_group_size;
+    launcher.session().queue().enqueueFillBuffer(b.inner, cl_uint{0xffffffffu}, 0, 4 * std::size_t{job.leaf_count});
+    launcher.launch(climb, (job.leaf_count + group_size - 1) / group_size, b.codes, b.leaves, job.leaf_count, b.inner,
+                    b.nodes, b.root_reference);
+}
+
+void build_pieces(const ClusterJob& job) {
+    Launcher& launcher = job.launcher;
+    Session& session = launcher.session();
+    const BuildBuffers& b = job.buffers;
+    const std::uint32_t most = std::min(session.info().compute_units * kPiecesPerUnit, BuildBuffers::kMostPieces);
+    const Pieces pieces = cut_into_pieces(job.leaf_count, most, kLeastPieceLength);
+    launcher.launch(session.kernel("lbvh.cl", "build_pieces", 1, ""), pieces.count, b.codes, b.leaves, job.leaf_count,
+                    pieces.length, b.nodes, b.extra, b.counts);
+    launcher.launch(session.kernel("lbvh.cl", "join_pieces", 1, ""), 1, b.extra, b.counts, pieces.count, b.codes,
+                    job.leaf_count, b.nodes, b.root_reference);
+}
+
+void cluster(const ClusterJob& job) {
+    if (job.settings.lane()) {
+        build_pieces(job);
+    } else {
+        climb(job);
+    }
+}
+
+}  // namespace
+
+const DeviceAlgorithm kLbvh{cluster, extra_bytes};
+
+}  // namespace clbvh::device

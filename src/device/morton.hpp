@@ -1,0 +1,12 @@
+#pragma once
+
+#include "device/build_buffers.hpp"
+#include "device/launcher.hpp"
+
+namespace clbvh::device {
+
+/// Codes of the boxes in buffers.boxes into pairs_a, code_low and code_high. One launch, or two for extended codes.
+void launch_morton(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers,
+                   std::uint32_t primitive_count);
+
+}  // namespace clbvh::device

@@ -1,0 +1,151 @@
+#include "io/ply_header.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "clbvh/core/error.hpp"
+
+namespace clbvh::io {
+namespace {
+
+std::optional<PlyFormat> format_from(std::string_view name) {
+    if (name == "ascii") return PlyFormat::ascii;
+    if (name == "binary_little_endian") return PlyFormat::binary_little_endian;
+    if (name == "binary_big_endian") return PlyFormat::binary_big_endian;
+    return std::nullopt;
+}
+
+std::optional<PlyType> type_from(std::string_view name) {
+    constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{{
+        {"char", PlyType::int8},
+        {"int8", PlyType::int8},
+        {"uchar", PlyType::uint8},
+        {"uint8", PlyType::uint8},
+        {"short", PlyType::int16},
+        {"int16", PlyType::int16},
+        {"ushort", PlyType::uint16},
+        {"uint16", PlyType::uint16},
+        {"int", PlyType::int32},
+        {"int32", PlyType::int32},
+        {"uint", PlyType::uint32},
+        {"uint32", PlyType::uint32},
+        {"float", PlyType::float32},
+        {"float32", PlyType::float32},
+        {"double", PlyType::float64},
+        {"float64", PlyType::float64},
+    }};
+    const auto* const found = std::ranges::find(kTypes, name, &std::pair<std::string_view, PlyType>::first);
+    if (found == kTypes.end()) return std::nullopt;
+    return found->second;
+}
+
+std::vector<std::string_view> split_words(std::string_view line) {
+    std::vector<std::string_view> words;
+    while (true) {
+        line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+        if (line.empty()) return words;
+        const std::size_t length = std::min(line.find_first_of(" \t"), line.size());
+        words.push_back(line.substr(0, length));
+        line.remove_prefix(length);
+    }
+}
+
+class HeaderParser {
+public:
+    HeaderParser(std::string_view file, const std::filesystem::path& path) : file_(file), path_(path) {}
+
+    PlyHeader parse() {
+        if (!file_.starts_with("ply") || take_line() != "ply") fail("not a PLY file: the first line is not \"ply\"");
+        parse_format(split_words(take_line()));
+        for (std::string_view line = take_line(); line != "end_header"; line = take_line()) {
+            parse_declaration(split_words(line));
+        }
+        for (const PlyElement& element : header_.elements) {
+            if (element.properties.empty()) fail("element \"" + element.name + "\" has no property");
+        }
+        header_.body = position_;
+        return std::move(header_);
+    }
+
+private:
+    std::string_view take_line() {
+        if (position_ > 0) ++line_number_;
+        const std::size_t end = file_.find('\n', position_);
+        if (end == std::string_view::npos) fail("the header has no end");
+        std::string_view line = file_.substr(position_, end - position_);
+        position_ = end + 1;
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        return line;
+    }
+
+    void parse_format(const std::vector<std::string_view>& words) {
+        if (words.size() != 3 || words[0] != "format") fail("expected \"format NAME 1.0\"");
+        const std::optional<PlyFormat> format = format_from(words[1]);
+        if (!format || words[2] != "1.0") fail("unknown format " + quoted(words[1]) + " " + quoted(words[2]));
+        header_.format = *format;
+    }
+
+    void parse_declaration(const std::vector<std::string_view>& words) {
+        const std::string_view keyword = words.empty() ? std::string_view{} : words[0];
+        if (keyword == "comment" || keyword == "obj_info") return;
+        if (keyword == "element") return parse_element(words);
+        if (keyword == "property") return parse_property(words);
+        fail("unknown keyword " + quoted(keyword));
+    }
+
+    void parse_element(const std::vector<std::string_view>& words) {
+        if (words.size() != 3) fail("expected \"element NAME COUNT\"");
+        if (std::ranges::find(header_.elements, words[1], &PlyElement::name) != header_.elements.end()) {
+            fail("a second element " + quoted(words[1]));
+        }
+        PlyElement& element = header_.elements.emplace_back();
+        element.name = words[1];
+        const std::string_view count = words[2];
+        const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
+        if (error != std::errc{} || end != count.data() + count.size()) fail(quoted(count) + " is not a count");
+    }
+
+    void parse_property(const std::vector<std::string_view>& words) {
+        if (header_.elements.empty()) fail("a property before the first element");
+        PlyProperty property;
+        property.is_list = words.size() > 1 && words[1] == "list";
+        if (words.size() != (property.is_list ? 5U : 3U)) {
+            fail("expected \"property TYPE NAME\" or \"property list COUNT_TYPE TYPE NAME\"");
+        }
+        property.name = words.back();
+        property.type = parse_type(words[words.size() - 2]);
+        if (property.is_list) property.count_type = parse_type(words[2]);
+        if (!is_integer(property.count_type)) fail("the count of a list must be an integer");
+        header_.elements.back().properties.push_back(std::move(property));
+    }
+
+    [[nodiscard]] PlyType parse_type(std::string_view name) const {
+        const std::optional<PlyType> type = type_from(name);
+        if (!type) fail("unknown type " + quoted(name));
+        return *type;
+    }
+
+    static std::string quoted(std::string_view word) { return '"' + std::string(word.substr(0, 40)) + '"'; }
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw Error(ErrorCode::io, path_.string() + ", line " + std::to_string(line_number_) + ": " + what);
+    }
+
+    std::string_view file_;
+    const std::filesystem::path& path_;
+    std::size_t position_ = 0;
+    std::uint64_t line_number_ = 1;
+    PlyHeader header_;
+};
+
+}  // namespace
+
+PlyHeader parse_ply_header(std::string_view file, const std::filesystem::path& path) {
+    return HeaderParser(file, path).parse();
+}
+
+}  // namespace clbvh::io
