@@ -6,7 +6,7 @@
 //         partial [groups * 12]: scene lower, scene upper, centroid lower, centroid upper of the group's piece; centroids
 //         are doubled (lower + upper)
 //   launch groups of WORK_GROUP_SIZE, each on piece_length primitives; any number of groups
-//   local  12 * WORK_GROUP_SIZE * 4 bytes
+//   local  16 * WORK_GROUP_SIZE * 4 bytes
 // reduce_bounds
 //   in    partial [partial_count * 12]
 //   out   bounds [12], in the same order
@@ -17,17 +17,17 @@
 #define BOUNDS_FLOATS 12
 
 typedef struct {
-    Box scene;
-    Box centroids;
+    float4 scene_lower, scene_upper, centroid_lower, centroid_upper;  // w is unused
 } SceneBounds;
 
 static inline SceneBounds empty_bounds(void) {
-    SceneBounds bounds = {empty_box(), empty_box()};
+    SceneBounds bounds = {INFINITY, -INFINITY, INFINITY, -INFINITY};
     return bounds;
 }
 
 static inline SceneBounds merge_bounds(SceneBounds a, SceneBounds b) {
-    SceneBounds bounds = {merge_boxes(a.scene, b.scene), merge_boxes(a.centroids, b.centroids)};
+    SceneBounds bounds = {MIN_OF(a.scene_lower, b.scene_lower), MAX_OF(a.scene_upper, b.scene_upper),
+                          MIN_OF(a.centroid_lower, b.centroid_lower), MAX_OF(a.centroid_upper, b.centroid_upper)};
     return bounds;
 }
 
@@ -48,34 +48,24 @@ static inline SceneBounds reduce_over_group(local SceneBounds* scratch, SceneBou
     return mine;
 }
 
+static inline SceneBounds load_bounds(global const float* p) {
+    SceneBounds bounds = {(float4)(vload3(0, p), 0.0f), (float4)(vload3(1, p), 0.0f), (float4)(vload3(2, p), 0.0f),
+                          (float4)(vload3(3, p), 0.0f)};
+    return bounds;
+}
+
 static inline void store_bounds(global float* p, SceneBounds bounds) {
     if (LOCAL_ID == 0) {
-        store_box(p, bounds.scene);
-        store_box(p + BOX_FLOATS, bounds.centroids);
+        vstore3(bounds.scene_lower.xyz, 0, p);
+        vstore3(bounds.scene_upper.xyz, 1, p);
+        vstore3(bounds.centroid_lower.xyz, 2, p);
+        vstore3(bounds.centroid_upper.xyz, 3, p);
     }
 }
 
 // Adding zero turns -0 into +0, so that equal boxes are equal bits.
-static inline Box triangle_box(global const float* vertices, global const uint* triangle) {
-    const float3 a = vload3(triangle[0], vertices) + 0.0f;
-    const float3 b = vload3(triangle[1], vertices) + 0.0f;
-    const float3 c = vload3(triangle[2], vertices) + 0.0f;
-    const float3 lower = MIN_OF(MIN_OF(a, b), c);
-    const float3 upper = MAX_OF(MAX_OF(a, b), c);
-    Box box = {lower.x, lower.y, lower.z, upper.x, upper.y, upper.z};
-    if (any(isnan(a)) || any(isnan(b)) || any(isnan(c))) {
-        box.lower_x = box.lower_y = box.lower_z = NAN;
-        box.upper_x = box.upper_y = box.upper_z = NAN;
-    }
-    return box;
-}
-
-static inline Box centroid_box(Box box) {
-    const float x = box.lower_x + box.upper_x;
-    const float y = box.lower_y + box.upper_y;
-    const float z = box.lower_z + box.upper_z;
-    Box point = {x, y, z, x, y, z};
-    return point;
+static inline float4 load_vertex(global const float* vertices, uint index) {
+    return (float4)(vload3(index, vertices), 0.0f) + 0.0f;
 }
 
 KERNEL void primitive_bounds(global const float* vertices, global const uint* triangles, uint primitive_count,
@@ -85,12 +75,22 @@ KERNEL void primitive_bounds(global const float* vertices, global const uint* tr
     const size_t end = min(begin + piece_length, (size_t)primitive_count);
     SceneBounds mine = empty_bounds();
     FOR_WORK_ITEMS(i, begin, end) {
-        const Box box = triangle_box(vertices, triangles + 3 * i);
-        store_box(boxes + BOX_FLOATS * i, box);
-        if (!is_inactive(box)) {
-            const SceneBounds one = {box, centroid_box(box)};
+        const float4 a = load_vertex(vertices, triangles[3 * i]);
+        const float4 b = load_vertex(vertices, triangles[3 * i + 1]);
+        const float4 c = load_vertex(vertices, triangles[3 * i + 2]);
+        float4 lower = MIN_OF(MIN_OF(a, b), c);
+        float4 upper = MAX_OF(MAX_OF(a, b), c);
+        // Coordinates are finite or NaN, and far from overflow, so the sum is NaN where one of them is.
+        const float4 sum = (a + b) + c;
+        if (isnan((sum.x + sum.y) + sum.z)) {
+            lower = upper = NAN;
+        } else {
+            const float4 centroid = lower + upper;
+            const SceneBounds one = {lower, upper, centroid, centroid};
             mine = merge_bounds(mine, one);
         }
+        vstore3(lower.xyz, 2 * i, boxes);
+        vstore3(upper.xyz, 2 * i + 1, boxes);
     }
     store_bounds(partial + BOUNDS_FLOATS * get_group_id(0), reduce_over_group(scratch, mine));
 }
@@ -98,10 +98,6 @@ KERNEL void primitive_bounds(global const float* vertices, global const uint* tr
 KERNEL void reduce_bounds(global const float* partial, uint partial_count, global float* bounds) {
     local SceneBounds scratch[WORK_GROUP_SIZE];
     SceneBounds mine = empty_bounds();
-    FOR_WORK_ITEMS(i, 0, partial_count) {
-        const SceneBounds one = {load_box(partial + BOUNDS_FLOATS * i),
-                                 load_box(partial + BOUNDS_FLOATS * i + BOX_FLOATS)};
-        mine = merge_bounds(mine, one);
-    }
+    FOR_WORK_ITEMS(i, 0, partial_count) { mine = merge_bounds(mine, load_bounds(partial + BOUNDS_FLOATS * i)); }
     store_bounds(bounds, reduce_over_group(scratch, mine));
 }

@@ -2,7 +2,7 @@
 //
 // gather_leaves
 //   in     boxes [.. * 6], primitive_ids [leaf_count] in Morton order
-//   out    leaves [leaf_count * 6]
+//   out    leaves [leaf_count * 6 + 2]: the two words behind the last box are zero (cluster.clh)
 //   launch groups of WORK_GROUP_SIZE, each on piece_length leaves
 // number_leaves
 //   out    references [leaf_count]: cluster i is leaf i
@@ -21,6 +21,10 @@ KERNEL void gather_leaves(global const float* boxes, global const uint* primitiv
     FOR_WORK_ITEMS(i, begin, end) {
         PREFETCH(boxes + BOX_FLOATS * (size_t)primitive_ids[min(i + GATHER_AHEAD, end - 1)]);
         store_box(leaves + BOX_FLOATS * i, load_box(boxes + BOX_FLOATS * (size_t)primitive_ids[i]));
+    }
+    if (end == leaf_count && LOCAL_ID == 0) {
+        leaves[BOX_FLOATS * (size_t)leaf_count] = 0.0f;
+        leaves[BOX_FLOATS * (size_t)leaf_count + 1] = 0.0f;
     }
 }
 

@@ -11,6 +11,7 @@
 //   out    tables [4 * 4 * 256] spread bits of (dimension, byte, value); parameters [12]: lower x y z, three scales, scale of
 //          the size, largest values x y z size (as uint)
 #include "work_group.clh"
+#include "lanes.clh"
 #include "aabb.clh"
 #include "morton.clh"
 
@@ -23,34 +24,92 @@
 #define SIZE_DIMENSION 3
 #define BYTES_PER_DIMENSION 4
 
-static inline void store_code(global uint2* pairs, global uint* code_low, global uint* code_high, size_t i, ulong code) {
-    const uint low = (uint)code;
+static inline void store_code(global uint2* pairs, global uint* code_low, global uint* code_high, size_t i, uint low,
+                              uint high) {
     pairs[i] = (uint2)(low, (uint)i);
     code_low[i] = low;
-    code_high[i] = (uint)(code >> 32);
+    code_high[i] = high;
 }
 
 #define CENTROID_OF(box, axis) ((box).lower_##axis + (box).upper_##axis)
+#define AXIS_STEPS (1u << 21)
+
+// How one launch turns centroids into numbers of 21 bits.
+typedef struct {
+    Box centroids;
+    float scale_x, scale_y, scale_z;
+} XyzGrid;
+
+static inline XyzGrid load_grid(global const float* bounds) {
+    const Box centroids = load_box(bounds + BOX_FLOATS);
+    XyzGrid grid = {centroids, quantisation_scale((float)AXIS_STEPS, centroids.upper_x - centroids.lower_x),
+                    quantisation_scale((float)AXIS_STEPS, centroids.upper_y - centroids.lower_y),
+                    quantisation_scale((float)AXIS_STEPS, centroids.upper_z - centroids.lower_z)};
+    return grid;
+}
+
+static inline void code_one(XyzGrid grid, global const float* boxes, size_t i, global uint2* pairs, global uint* code_low,
+                            global uint* code_high) {
+    const Box box = load_box(boxes + BOX_FLOATS * i);
+    uint low = INACTIVE_KEY;
+    uint high = INACTIVE_KEY;
+    if (!is_inactive(box)) {
+        const uint x = quantise(CENTROID_OF(box, x) - grid.centroids.lower_x, grid.scale_x, AXIS_STEPS - 1);
+        const uint y = quantise(CENTROID_OF(box, y) - grid.centroids.lower_y, grid.scale_y, AXIS_STEPS - 1);
+        const uint z = quantise(CENTROID_OF(box, z) - grid.centroids.lower_z, grid.scale_z, AXIS_STEPS - 1);
+        low = MORTON_LOW(x, y, z);
+        high = MORTON_HIGH(x, y, z);
+    }
+    store_code(pairs, code_low, code_high, i, low, high);
+}
+
+#if LANE_SHAPE
+// Numbers of 16 centroids on one axis. A NaN must not reach the conversion, whose result would be undefined.
+static inline uint16 quantise16(float16 centroid, float lower, float scale, int16 inactive) {
+    const float16 steps = inactive ? (float16)(0.0f) : (centroid - lower) * scale;
+    return min(as_uint16(convert_int16_rtz(steps)), AXIS_STEPS - 1);
+}
+
+static inline void code_16(XyzGrid grid, global const float* boxes, size_t i, global uint2* pairs, global uint* code_low,
+                           global uint* code_high) {
+#define BOX_RECORD(k) vload8(0, boxes + BOX_FLOATS * (i + (k)))
+    COLUMNS_OF_16_RECORDS(word, BOX_RECORD)
+    const int16 inactive = isnan(word0);
+    const uint16 x = quantise16(word0 + word3, grid.centroids.lower_x, grid.scale_x, inactive);
+    const uint16 y = quantise16(word1 + word4, grid.centroids.lower_y, grid.scale_y, inactive);
+    const uint16 z = quantise16(word2 + word5, grid.centroids.lower_z, grid.scale_z, inactive);
+    const uint16 low = inactive ? (uint16)(INACTIVE_KEY) : MORTON_LOW(x, y, z);
+    const uint16 high = inactive ? (uint16)(INACTIVE_KEY) : MORTON_HIGH(x, y, z);
+    const uint16 index = (uint)i + LANES;
+    vstore16(low, 0, code_low + i);
+    vstore16(high, 0, code_high + i);
+    global uint* words = (global uint*)(pairs + i);
+    vstore16((uint16)(low.s0, index.s0, low.s1, index.s1, low.s2, index.s2, low.s3, index.s3, low.s4, index.s4, low.s5,
+                      index.s5, low.s6, index.s6, low.s7, index.s7),
+             0, words);
+    vstore16((uint16)(low.s8, index.s8, low.s9, index.s9, low.sa, index.sa, low.sb, index.sb, low.sc, index.sc, low.sd,
+                      index.sd, low.se, index.se, low.sf, index.sf),
+             1, words);
+}
+#endif
 
 KERNEL void morton_xyz(global const float* boxes, global const float* bounds, uint primitive_count, uint piece_length,
                        global uint2* pairs, global uint* code_low, global uint* code_high) {
-    const Box centroids = load_box(bounds + BOX_FLOATS);
-    const uint largest = (1u << 21) - 1;
-    const float scale_x = quantisation_scale(2097152.0f, centroids.upper_x - centroids.lower_x);
-    const float scale_y = quantisation_scale(2097152.0f, centroids.upper_y - centroids.lower_y);
-    const float scale_z = quantisation_scale(2097152.0f, centroids.upper_z - centroids.lower_z);
+    const XyzGrid grid = load_grid(bounds);
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)primitive_count);
-    FOR_WORK_ITEMS(i, begin, end) {
-        const Box box = load_box(boxes + BOX_FLOATS * i);
-        const int inactive = is_inactive(box);
-        // A NaN must not reach the conversion to integer, whose result would be undefined.
-        const uint x = inactive ? 0 : quantise(CENTROID_OF(box, x) - centroids.lower_x, scale_x, largest);
-        const uint y = inactive ? 0 : quantise(CENTROID_OF(box, y) - centroids.lower_y, scale_y, largest);
-        const uint z = inactive ? 0 : quantise(CENTROID_OF(box, z) - centroids.lower_z, scale_z, largest);
-        const ulong code = spread_by_3(x) << 2 | spread_by_3(y) << 1 | spread_by_3(z);
-        store_code(pairs, code_low, code_high, i, inactive ? INACTIVE_KEY : code);
+#if LANE_SHAPE
+    size_t i = begin;
+    // A record is loaded as eight words: the last box has no two more behind it.
+    for (; i + 16 < end; i += 16) {
+        code_16(grid, boxes, i, pairs, code_low, code_high);
     }
+    for (; i < end; ++i) {
+        code_one(grid, boxes, i, pairs, code_low, code_high);
+    }
+#else
+    FOR_WORK_ITEMS(i, begin, end) { code_one(grid, boxes, i, pairs, code_low, code_high); }
+#endif
 }
 
 // Which dimension each bit of the code belongs to, most significant first, and how many bits each dimension has.
@@ -133,7 +192,7 @@ KERNEL void morton_extended(global const float* boxes, global const ulong* table
     const size_t end = min(begin + piece_length, (size_t)primitive_count);
     FOR_WORK_ITEMS(i, begin, end) {
         const Box box = load_box(boxes + BOX_FLOATS * i);
-        ulong code = INACTIVE_KEY;
+        ulong code = ~0ul;
         if (!is_inactive(box)) {
             const float size =
                 diagonal(box.upper_x - box.lower_x, box.upper_y - box.lower_y, box.upper_z - box.lower_z);
@@ -142,6 +201,6 @@ KERNEL void morton_extended(global const float* boxes, global const ulong* table
                    look_up(tables, 2, quantise(CENTROID_OF(box, z) - parameters[2], parameters[5], as_uint(parameters[9]))) |
                    look_up(tables, SIZE_DIMENSION, quantise(size, parameters[6], as_uint(parameters[10])));
         }
-        store_code(pairs, code_low, code_high, i, code);
+        store_code(pairs, code_low, code_high, i, (uint)code, (uint)(code >> 32));
     }
 }

@@ -10,6 +10,7 @@
 //
 // local  about 9 * WORK_GROUP_SIZE * 4 bytes; lane shape: 9 * CHUNK_STRIDE * 4 + CHUNK * 4
 #include "work_group.clh"
+#include "lanes.clh"
 #include "aabb.clh"
 #include "node.clh"
 #include "scan.clh"
@@ -17,21 +18,8 @@
 #define BORDER SEARCH_RADIUS
 #include "chunk.clh"
 
-// Lowers (best, best_key) to (distance, key) where that is smaller in lexicographic order.
-#define LOWER_PAIR(best, best_key, distance, key)                                                \
-    {                                                                                            \
-        const DISTANCE new_distance = (distance);                                                \
-        const POSITION new_key = (key);                                                          \
-        const CONDITION closer = (new_distance < best) | ((new_distance == best) & (new_key < best_key)); \
-        best = closer ? new_distance : best;                                                     \
-        best_key = closer ? new_key : best_key;                                                  \
-    }
-
 static inline void write_neighbours(Chunk chunk, uint length, uint chunk_begin, global uint* neighbours) {
 #if LANE_SHAPE
-#define DISTANCE float16
-#define POSITION uint16
-#define CONDITION int16
     for (size_t t = BORDER; t < BORDER + length; t += 16) {
         const Box16 own = chunk_box16(chunk, t);
         const uint16 here = chunk_begin + (uint)t - BORDER + LANES;
@@ -39,26 +27,24 @@ static inline void write_neighbours(Chunk chunk, uint length, uint chunk_begin, 
         uint16 best_key = 0xffffffffu;
 #pragma unroll
         for (uint r = 1; r <= SEARCH_RADIUS; ++r) {
-            LOWER_PAIR(best, best_key, slot_distance16(own, chunk, t + r), here ^ (here + r))
-            LOWER_PAIR(best, best_key, slot_distance16(own, chunk, t - r), here ^ (here - r))
+            LOWER_PAIR16(best, best_key, slot_distance16(own, chunk, t + r), here ^ (here + r))
+            LOWER_PAIR16(best, best_key, slot_distance16(own, chunk, t - r), here ^ (here - r))
         }
         vstore16(here ^ best_key, 0, chunk.partner + t);
     }
     FOR_WORK_ITEMS(k, 0, length) { neighbours[chunk_begin + k] = chunk.partner[BORDER + k]; }
 #else
-#define DISTANCE float
-#define POSITION uint
-#define CONDITION int
+    // A distance is not negative, so its bits order as an integer; with the tie's key below them one minimum does both.
     const uint t = get_local_id(0);
     if (t >= BORDER && t < BORDER + length) {
         const uint here = chunk_begin + t - BORDER;
-        float best = INFINITY;
-        uint best_key = 0xffffffffu;
+        ulong best = ~0ul;
         for (uint r = 1; r <= SEARCH_RADIUS; ++r) {
-            LOWER_PAIR(best, best_key, slot_distance(chunk, t, t + r), here ^ (here + r))
-            LOWER_PAIR(best, best_key, slot_distance(chunk, t, t - r), here ^ (here - r))
+            const ulong right = (ulong)as_uint(slot_distance(chunk, t, t + r)) << 32 | (here ^ (here + r));
+            const ulong left = (ulong)as_uint(slot_distance(chunk, t, t - r)) << 32 | (here ^ (here - r));
+            best = min(best, min(right, left));
         }
-        neighbours[here] = here ^ best_key;
+        neighbours[here] = here ^ (uint)best;
     }
 #endif
 }

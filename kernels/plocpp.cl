@@ -11,6 +11,7 @@
 //
 // local  about (9 + 1 or 2) * WORK_GROUP_SIZE * 4 bytes; lane shape: (9 + SEARCH_RADIUS) * CHUNK_STRIDE * 4 + 8 * CHUNK
 #include "work_group.clh"
+#include "lanes.clh"
 #include "aabb.clh"
 #include "node.clh"
 #include "scan.clh"

@@ -8,6 +8,7 @@
 //
 // local  as plocpp.cl, and 2 * MAX_RANGES * 4 bytes
 #include "work_group.clh"
+#include "lanes.clh"
 #include "aabb.clh"
 #include "node.clh"
 #include "scan.clh"

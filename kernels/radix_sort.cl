@@ -4,7 +4,7 @@
 //
 // The keys are cut into pieces of piece_length, one work group each; counts are kept digit-major, [RADIX * pieces].
 // count_digits    in pairs  out counts
-// scan_counts     counts become the first position of each (digit, piece); one group
+// scan_counts     group shape only: counts become the first position of each (digit, piece); one group
 // scatter         in pairs, counts  out pairs
 // scatter_rekey   the same, and the key becomes next_keys[value]
 // scatter_last    the same, but splits the pair: values alone, and codes [n] = key << 32 | code_low[value]
@@ -38,25 +38,6 @@ KERNEL void count_digits(global const uint2* pairs, uint pair_count, uint piece_
     FOR_WORK_ITEMS(digit, 0, RADIX) { counts[digit * get_num_groups(0) + get_group_id(0)] = digit_count[digit]; }
 }
 
-// Each item sums a contiguous run, the group scans the sums, each item writes its run.
-KERNEL void scan_counts(global uint* counts, uint count) {
-    local uint scratch[WORK_GROUP_SIZE];
-    const uint run = (count + WORK_GROUP_SIZE - 1) / WORK_GROUP_SIZE;
-    const uint begin = min((uint)LOCAL_ID * run, count);
-    const uint end = min(begin + run, count);
-    uint sum = 0;
-    for (uint i = begin; i < end; ++i) {
-        sum += counts[i];
-    }
-    uint total;
-    uint before = group_exclusive_scan(scratch, sum, &total);
-    for (uint i = begin; i < end; ++i) {
-        const uint here = counts[i];
-        counts[i] = before;
-        before += here;
-    }
-}
-
 #if LANE_SHAPE
 
 // How far ahead of its use a gathered word is fetched.
@@ -64,11 +45,24 @@ KERNEL void scan_counts(global uint* counts, uint count) {
 #define GATHER_AHEAD 16
 #endif
 
-#define LOAD_POSITIONS(position)                                                      \
-    uint position[RADIX];                                                             \
-    for (size_t digit = 0; digit < RADIX; ++digit) {                                  \
-        position[digit] = counts[digit * get_num_groups(0) + get_group_id(0)];        \
+// First position of each digit of this piece. The pieces are few, so every one sums all their counts itself.
+static inline void find_positions(global const uint* counts, uint* position) {
+    const size_t pieces = get_num_groups(0);
+    const size_t piece = get_group_id(0);
+    uint before = 0;
+    for (size_t digit = 0; digit < RADIX; ++digit) {
+        uint digit_total = 0;
+        for (size_t k = 0; k < pieces; ++k) {
+            position[digit] = k == piece ? before + digit_total : position[digit];
+            digit_total += counts[digit * pieces + k];
+        }
+        before += digit_total;
     }
+}
+
+#define LOAD_POSITIONS(position)     \
+    uint position[RADIX];            \
+    find_positions(counts, position);
 
 KERNEL void scatter(global const uint2* pairs, uint pair_count, uint piece_length, uint shift, global const uint* counts,
                     global uint2* pairs_out) {
@@ -109,6 +103,25 @@ KERNEL void scatter_last(global const uint2* pairs, uint pair_count, uint piece_
 }
 
 #else
+
+// Each item sums a contiguous run, the group scans the sums, each item writes its run.
+KERNEL void scan_counts(global uint* counts, uint count) {
+    local uint scratch[WORK_GROUP_SIZE];
+    const uint run = (count + WORK_GROUP_SIZE - 1) / WORK_GROUP_SIZE;
+    const uint begin = min((uint)LOCAL_ID * run, count);
+    const uint end = min(begin + run, count);
+    uint sum = 0;
+    for (uint i = begin; i < end; ++i) {
+        sum += counts[i];
+    }
+    uint total;
+    uint before = group_exclusive_scan(scratch, sum, &total);
+    for (uint i = begin; i < end; ++i) {
+        const uint here = counts[i];
+        counts[i] = before;
+        before += here;
+    }
+}
 
 // A tile of TILE pairs at a time is sorted by its digit in local memory, four bits after four, so that equal digits leave in
 // runs; then every run is written to where the group's next pair of that digit belongs (Satish, Harris, Garland 2009).

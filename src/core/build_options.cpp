@@ -83,6 +83,7 @@ void check_range_count(std::uint32_t count) {
 void check_options(const BuildOptions& options) {
     check_range("search_radius", options.search_radius, 1, 32);
     check_enumerator("shape", options.shape);
+    check_enumerator("sort_shape", options.sort_shape);
     check_enumerator("morton_code", options.morton_code);
     check_enumerator("neighbour_encoding", options.neighbour_encoding);
     check_enumerator("neighbour_search", options.neighbour_search);

@@ -35,15 +35,16 @@ struct SmallLayout {
 
 constexpr std::uint64_t kBoundsBytes = 12 * 4;
 constexpr std::uint64_t kPartialBytes = kBoundsBytes * BuildBuffers::kMostPieces;
-constexpr std::uint64_t kCountBytes = 256 * 4 * std::uint64_t{BuildBuffers::kMostPieces};
 constexpr std::uint64_t kTableBytes = 4 * 4 * 256 * 8;
 constexpr std::uint64_t kParameterBytes = 16 * 4;
 
-void cut_small(BuildBuffers& b, const Session& session) {
+void cut_small(BuildBuffers& b, const Session& session, const BuildSettings& settings) {
+    const std::uint64_t count_bytes =
+        4 * std::uint64_t{std::max(256 * settings.most_sort_pieces, BuildBuffers::kMostPieces)};
     SmallLayout layout;
     const std::uint64_t bounds = layout.take(kBoundsBytes);
     const std::uint64_t partial = layout.take(kPartialBytes);
-    const std::uint64_t counts = layout.take(kCountBytes);
+    const std::uint64_t counts = layout.take(count_bytes);
     const std::uint64_t tables = layout.take(kTableBytes);
     const std::uint64_t parameters = layout.take(kParameterBytes);
     const std::uint64_t root = layout.take(kReferenceBytes);
@@ -51,7 +52,7 @@ void cut_small(BuildBuffers& b, const Session& session) {
     b.small = allocate_buffer(session, layout.end);
     b.bounds = view_of(b.small, bounds, kBoundsBytes);
     b.partial_bounds = view_of(b.small, partial, kPartialBytes);
-    b.counts = view_of(b.small, counts, kCountBytes);
+    b.counts = view_of(b.small, counts, count_bytes);
     b.morton_tables = view_of(b.small, tables, kTableBytes);
     b.morton_parameters = view_of(b.small, parameters, kParameterBytes);
     b.root_reference = view_of(b.small, root, kReferenceBytes);
@@ -84,7 +85,8 @@ cl::Buffer view_of(const cl::Buffer& parent, std::uint64_t offset, std::uint64_t
     return buffer.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region);
 }
 
-void BuildBuffers::reserve(Session& session, std::uint32_t primitives, std::uint64_t extra_bytes) {
+void BuildBuffers::reserve(Session& session, const BuildSettings& settings, std::uint32_t primitives,
+                           std::uint64_t extra_bytes) {
     check_allocation(session, std::max(kNodeBytes * primitives, extra_bytes), primitives);
     with_opencl_errors("memory for " + std::to_string(primitives) + " primitives", [&] {
         if (capacity_ < primitives || extra_capacity_ < extra_bytes) {
@@ -92,7 +94,7 @@ void BuildBuffers::reserve(Session& session, std::uint32_t primitives, std::uint
             const std::uint64_t n = std::max<std::uint64_t>(capacity_, primitives);
             const std::uint64_t extra_size = std::max(extra_capacity_, extra_bytes);
             *this = BuildBuffers{};
-            cut_small(*this, session);
+            cut_small(*this, session, settings);
             allocate(*this, session, n);
             if (extra_size > 0) {
                 extra = allocate_buffer(session, extra_size);

@@ -35,7 +35,7 @@ struct BuildBuffers {
     cl::Buffer references_a, references_b;  ///< uint [n], in references
     cl::Buffer bounds;                      ///< float [12], in small
     cl::Buffer partial_bounds;              ///< float [12 * kMostPieces], in small
-    cl::Buffer counts;                      ///< uint [256 * kMostPieces], in small
+    cl::Buffer counts;                      ///< uint [256 * pieces of the sort, at least kMostPieces], in small
     cl::Buffer morton_tables;               ///< ulong [4096] in small
     cl::Buffer morton_parameters;           ///< float [16], in small
     cl::Buffer root_reference;              ///< uint, in small
@@ -46,10 +46,10 @@ struct BuildBuffers {
     /// Most pieces that any stage is cut into.
     static constexpr std::uint32_t kMostPieces = 1024;
 
-    /// Makes room for `primitives` (at least 1) and `extra_bytes` more. Memory only grows; all or nothing.
-    /// Throws Error(unsupported) where a buffer would exceed the device's largest allocation, Error(out_of_memory)
-    /// where the device has no more.
-    void reserve(Session& session, std::uint32_t primitives, std::uint64_t extra_bytes);
+    /// Makes room for `primitives` (at least 1) and `extra_bytes` more. Memory only grows; all or nothing. The settings
+    /// are the same in every call. Throws Error(unsupported) where a buffer would exceed the device's largest
+    /// allocation, Error(out_of_memory) where the device has no more.
+    void reserve(Session& session, const BuildSettings& settings, std::uint32_t primitives, std::uint64_t extra_bytes);
 
 private:
     std::uint64_t capacity_ = 0;

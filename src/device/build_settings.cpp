@@ -12,8 +12,12 @@ namespace {
 constexpr std::size_t kLargestGroup = 1024;
 constexpr std::size_t kStreamGroup = 256;
 constexpr std::uint32_t kLaneChunk = 256;
-constexpr std::uint32_t kLanePiecesPerUnit = 8;
-constexpr std::uint32_t kLaneRanges = 64;
+// Groups a compute unit: on a CPU enough to even out their lengths, on a GPU enough to hide each other's latency.
+constexpr std::uint32_t kCpuGroupsPerUnit = 8;
+constexpr std::uint32_t kGpuGroupsPerUnit = 4;
+// A lane keeps a counter and an open cache line for each digit, so few long pieces beat many short ones.
+constexpr std::uint32_t kLaneSortPiecesPerUnit = 4;
+constexpr std::uint32_t kLeastRanges = 256;
 constexpr std::uint32_t kMostRanges = 512;
 
 // Local bytes of the kernels that search neighbours; see plocpp.cl.
@@ -34,10 +38,21 @@ std::size_t group_size_that_fits(const DeviceInfo& info, bool exact) {
     return size;
 }
 
+std::size_t stream_group_size(const DeviceInfo& info) {
+    return std::min(kStreamGroup, std::bit_floor(info.max_work_group_size));
+}
+
+void resolve_sort(BuildSettings& settings, const DeviceInfo& info) {
+    const bool lane = settings.sort_shape == Shape::lane;
+    settings.sort_group_size = lane ? 1 : stream_group_size(info);
+    settings.most_sort_pieces = lane ? std::min(info.compute_units * kLaneSortPiecesPerUnit, BuildBuffers::kMostPieces)
+                                     : settings.groups_to_fill;
+}
+
 void resolve_group_sizes(BuildSettings& settings, const BuildOptions& options, const DeviceInfo& info) {
     const std::size_t largest = group_size_that_fits(info, settings.exact_distances);
     settings.cluster_group_size = options.work_group_size != 0 ? options.work_group_size : largest;
-    settings.stream_group_size = std::min(kStreamGroup, std::bit_floor(info.max_work_group_size));
+    settings.stream_group_size = stream_group_size(info);
     if (settings.cluster_group_size > largest) {
         throw Error(ErrorCode::unsupported, "work_group_size " + std::to_string(settings.cluster_group_size) +
                                                 " is too large for " + info.name + ", which fits " +
@@ -48,8 +63,6 @@ void resolve_group_sizes(BuildSettings& settings, const BuildOptions& options, c
                     "work_group_size " + std::to_string(settings.cluster_group_size) +
                         " leaves no chunk beside 4 * search_radius = " + std::to_string(4 * settings.search_radius));
     }
-    // Groups that fit a compute unit together hide each other's latency; a CPU runs them one after the other.
-    settings.groups_to_fill = info.compute_units * (info.type == DeviceType::cpu ? kLanePiecesPerUnit : 4);
 }
 
 void resolve_lane_sizes(BuildSettings& settings, const BuildOptions& options, const DeviceInfo& info) {
@@ -63,7 +76,13 @@ void resolve_lane_sizes(BuildSettings& settings, const BuildOptions& options, co
                                                 " needs more local memory than the " +
                                                 std::to_string(info.local_memory_bytes) + " bytes of " + info.name);
     }
-    settings.groups_to_fill = info.compute_units * kLanePiecesPerUnit;
+}
+
+Shape definite_shape(Shape shape, Session& session) {
+    if (shape != Shape::automatic) {
+        return shape;
+    }
+    return session.prefers_lane_shape() ? Shape::lane : Shape::group;
 }
 
 }  // namespace
@@ -90,10 +109,8 @@ BuildSettings resolve_settings(const BuildOptions& options, Session& session) {
     check_options(options);
     const DeviceInfo& info = session.info();
     BuildSettings settings;
-    settings.shape = options.shape;
-    if (options.shape == Shape::automatic) {
-        settings.shape = session.prefers_lane_shape() ? Shape::lane : Shape::group;
-    }
+    settings.shape = definite_shape(options.shape, session);
+    settings.sort_shape = definite_shape(options.sort_shape, session);
     settings.search_radius = options.search_radius;
     settings.morton_code = options.morton_code;
     settings.exact_distances = options.neighbour_encoding == NeighbourEncoding::bits64;
@@ -109,12 +126,17 @@ BuildSettings resolve_settings(const BuildOptions& options, Session& session) {
         settings.symmetric_search = false;
     }
     settings.single_group_threshold = options.single_group_threshold;
+    const std::uint32_t per_unit = info.type == DeviceType::cpu ? kCpuGroupsPerUnit : kGpuGroupsPerUnit;
+    settings.groups_to_fill = std::min(info.compute_units * per_unit, BuildBuffers::kMostPieces);
+    resolve_sort(settings, info);
     if (settings.lane()) {
         resolve_lane_sizes(settings, options, info);
     } else {
         resolve_group_sizes(settings, options, info);
     }
-    const std::uint32_t chosen_ranges = std::max(kLaneRanges, 2 * settings.groups_to_fill);
+    // Twice the groups that fill the device (section 5.1), and no fewer than keep a range in a CPU's second-level
+    // cache. The same for both shapes, so that both give the same tree.
+    const std::uint32_t chosen_ranges = std::max(kLeastRanges, 2 * settings.groups_to_fill);
     settings.range_count = options.range_count != 0 ? options.range_count : std::min(kMostRanges, chosen_ranges);
     return settings;
 }

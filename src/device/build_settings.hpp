@@ -27,6 +27,9 @@ struct BuildSettings {
     std::size_t cluster_group_size = 1;  ///< work items a group in kernels that search neighbours
     std::uint32_t lane_chunk_size = 0;   ///< clusters a chunk in the lane shape
     std::uint32_t groups_to_fill = 1;    ///< work groups that keep the whole device busy
+    Shape sort_shape = Shape::group;     ///< group or lane
+    std::size_t sort_group_size = 1;     ///< work items a group in the sort
+    std::uint32_t most_sort_pieces = 1;  ///< work groups of a pass of the sort
 
     /// Pieces of a pass over an array of `elements`.
     [[nodiscard]] Pieces stream_pieces(std::uint32_t elements) const;

@@ -19,7 +19,9 @@ struct Free {
 };
 
 #if defined(__linux__)
-void CL_CALLBACK free_host_memory(cl_mem, void* memory) { std::free(memory); }
+void CL_CALLBACK free_host_memory(cl_mem, void* memory) {
+    std::free(memory);
+}
 
 cl::Buffer allocate_in_huge_pages(const Session& session, std::uint64_t bytes) {
     const std::uint64_t rounded = (bytes + kHugePage - 1) / kHugePage * kHugePage;

@@ -6,8 +6,8 @@
 
 namespace clbvh::device {
 
-/// A read-write buffer of `bytes` (at least 1). On CPU devices it lies in memory that asks the system for huge pages: the
-/// sort's scatters and the clusters' gathers otherwise spend a good part of their time on address translation.
+/// A read-write buffer of `bytes` (at least 1). On CPU devices it lies in memory that asks the system for huge pages:
+/// the sort's scatters and the clusters' gathers otherwise spend a good part of their time on address translation.
 [[nodiscard]] cl::Buffer allocate_buffer(const Session& session, std::uint64_t bytes);
 
 }  // namespace clbvh::device

@@ -9,12 +9,14 @@ namespace {
 
 constexpr std::uint32_t kPendingBytes = 32;  // PendingCluster of lbvh.cl
 constexpr std::uint32_t kMostPending = 196;  // MAX_PENDING of lbvh.cl
-constexpr std::uint32_t kPiecesPerUnit = 16;
 constexpr std::uint32_t kLeastPieceLength = 1024;
 
+std::uint32_t most_pieces(const BuildSettings& settings) {
+    return std::min(2 * settings.groups_to_fill, BuildBuffers::kMostPieces);
+}
+
 std::uint64_t extra_bytes(const BuildSettings& settings, std::uint32_t) {
-    const std::uint64_t pieces = BuildBuffers::kMostPieces;
-    return settings.lane() ? kPendingBytes * kMostPending * pieces : 0;
+    return settings.lane() ? std::uint64_t{kPendingBytes} * kMostPending * most_pieces(settings) : 0;
 }
 
 void climb(const ClusterJob& job) {
@@ -31,8 +33,7 @@ void build_pieces(const ClusterJob& job) {
     Launcher& launcher = job.launcher;
     Session& session = launcher.session();
     const BuildBuffers& b = job.buffers;
-    const std::uint32_t most = std::min(session.info().compute_units * kPiecesPerUnit, BuildBuffers::kMostPieces);
-    const Pieces pieces = cut_into_pieces(job.leaf_count, most, kLeastPieceLength);
+    const Pieces pieces = cut_into_pieces(job.leaf_count, most_pieces(job.settings), kLeastPieceLength);
     launcher.launch(session.kernel("lbvh.cl", "build_pieces", 1, ""), pieces.count, b.codes, b.leaves, job.leaf_count,
                     pieces.length, b.nodes, b.extra, b.counts);
     launcher.launch(session.kernel("lbvh.cl", "join_pieces", 1, ""), 1, b.extra, b.counts, pieces.count, b.codes,

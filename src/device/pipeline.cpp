@@ -29,7 +29,7 @@ void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const B
 BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
                         const ProgressCallback& progress, const DeviceMesh& mesh, BuildBuffers& buffers) {
     if (mesh.active_count > 0) {
-        buffers.reserve(session, mesh.primitive_count, algorithm.extra_bytes(settings, mesh.primitive_count));
+        buffers.reserve(session, settings, mesh.primitive_count, algorithm.extra_bytes(settings, mesh.primitive_count));
     }
     Launcher launcher(session, progress);
     if (mesh.active_count > 0) {

@@ -33,7 +33,7 @@ void cluster(const ClusterJob& job) {
     const cl::Buffer neighbours = view_of(b.extra, 0, 4 * std::uint64_t{job.leaf_count});
     const cl::Buffer valid = view_of(b.extra, neighbour_bytes(job.leaf_count), job.leaf_count);
     const std::uint32_t chunk = job.settings.chunk_size(job.settings.search_radius);
-    const std::uint32_t groups = std::min(job.settings.groups_to_fill, BuildBuffers::kMostPieces);
+    const std::uint32_t groups = job.settings.groups_to_fill;
     const cl::Buffer* references = &b.references_a;
     const cl::Buffer* compacted = &b.references_b;
     for (std::uint32_t count = job.leaf_count; count > 1;) {

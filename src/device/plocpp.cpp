@@ -21,7 +21,7 @@ void cluster(const ClusterJob& job) {
                                          job.settings.search_defines());
     };
     const std::uint32_t chunk = job.settings.chunk_size(2 * job.settings.search_radius);
-    const std::uint32_t groups = std::min(job.settings.groups_to_fill, BuildBuffers::kMostPieces);
+    const std::uint32_t groups = job.settings.groups_to_fill;
     std::uint32_t count = job.leaf_count;
     if (count > job.settings.single_group_threshold) {
         Kernel& search_merge = kernel("search_merge");

@@ -117,9 +117,7 @@ private:
             if (!bvh.primitive_ids.empty()) fail("ids without nodes");
             return;
         }
-        if (bvh.nodes.size() > 1 && std::memcmp(&bvh.nodes[1], &kUnusedNode, sizeof(Node)) != 0) {
-            fail("node 1 is not an unused zero");
-        }
+        if (bvh.nodes.size() > 1 && bvh.nodes[1] != Node{}) fail("node 1 is not an unused zero");
         std::vector<bool> reached(bvh.nodes.size() / 2);
         std::vector<std::uint32_t> open{0};
         while (!open.empty()) {
@@ -160,8 +158,6 @@ private:
     [[noreturn]] void fail(const std::string& what) const {
         throw Error(ErrorCode::io, "cannot read " + path_.string() + ": " + what);
     }
-
-    static constexpr Node kUnusedNode{};
 
     std::filesystem::path path_;
     io::InputFile file_;

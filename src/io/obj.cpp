@@ -1,7 +1,7 @@
 #include "io/obj.hpp"
 
 // The implementation of a header-only library must not meet the one of a program that links this library.
-#define tinyobj clbvh_tinyobj
+#define tinyobj clbvh_tinyobj  // NOLINT(readability-identifier-naming)
 #define TINYOBJLOADER_IMPLEMENTATION
 #include <tiny_obj_loader.h>
 

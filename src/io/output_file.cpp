@@ -32,8 +32,9 @@ OutputFile::OutputFile(const std::filesystem::path& path) : target_(path) {
     } else {
         // A rename would replace a link, not the file that it points to.
         if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, error))) {
-            target_ = std::filesystem::canonical(path, error);
+            const std::filesystem::path linked = std::filesystem::canonical(path, error);
             if (error) fail(error.value());
+            target_ = linked;
         }
         temporary_ = target_.parent_path() / temporary_name();
         file_.reset(std::fopen(temporary_.c_str(), "wbx"));

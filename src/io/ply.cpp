@@ -54,9 +54,9 @@ private:
         const auto face = std::ranges::find(header_.elements, "face", &PlyElement::name);
         if (vertex == header_.elements.end()) fail_file("the header has no element \"vertex\"");
         if (face == header_.elements.end()) fail_file("the header has no element \"face\": there are no triangles");
-        if (face < vertex) fail_file("element \"face\" comes before element \"vertex\", which is not supported");
+        if (face < vertex) fail_file(R"(element "face" comes before element "vertex", which is not supported)");
         if (std::ranges::count_if(face->properties, is_corner_list) != 1) {
-            fail_file("element \"face\" has no list \"vertex_indices\" of integers");
+            fail_file(R"(element "face" has no list "vertex_indices" of integers)");
         }
     }
 
@@ -96,7 +96,7 @@ private:
         for (const auto& [name, coordinate] : axes) {
             const auto found = std::ranges::find(element_->properties, name, &PlyProperty::name);
             if (found == element_->properties.end() || found->is_list) {
-                fail_file("element \"vertex\" has no property \"" + std::string(name) + "\"");
+                fail_file(R"(element "vertex" has no property ")" + std::string(name) + '"');
             }
             targets[static_cast<std::size_t>(found - element_->properties.begin())] = coordinate;
         }

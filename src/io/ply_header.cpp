@@ -114,7 +114,7 @@ private:
         PlyProperty property;
         property.is_list = words.size() > 1 && words[1] == "list";
         if (words.size() != (property.is_list ? 5U : 3U)) {
-            fail("expected \"property TYPE NAME\" or \"property list COUNT_TYPE TYPE NAME\"");
+            fail(R"(expected "property TYPE NAME" or "property list COUNT_TYPE TYPE NAME")");
         }
         property.name = words.back();
         property.type = parse_type(words[words.size() - 2]);

@@ -16,7 +16,7 @@
 namespace clbvh::io {
 
 /// Takes the binary values of a PLY file's body one after the other. Every type fits a double.
-template <std::endian kOrder>
+template <std::endian Order>
 class BinaryPlyValues {
 public:
     BinaryPlyValues(std::string_view file, std::size_t position) : file_(file), position_(position) {}
@@ -41,7 +41,7 @@ public:
 
     /// Most items of so many values and bytes that can still come.
     [[nodiscard]] std::uint64_t room_for(std::size_t /*values*/, std::size_t bytes) const {
-        return (file_.size() - position_) / bytes;
+        return (file_.size() - position_) / std::max<std::size_t>(1, bytes);
     }
 
     [[nodiscard]] std::string where() const { return "byte " + std::to_string(position_); }
@@ -50,9 +50,9 @@ private:
     template <typename T>
     std::optional<double> load() {
         if (file_.size() - position_ < sizeof(T)) return std::nullopt;
-        std::array<char, sizeof(T)> bytes;
+        std::array<char, sizeof(T)> bytes{};
         std::copy_n(file_.data() + position_, sizeof(T), bytes.begin());
-        if constexpr (kOrder != std::endian::native) std::ranges::reverse(bytes);
+        if constexpr (Order != std::endian::native) std::ranges::reverse(bytes);
         position_ += sizeof(T);
         return static_cast<double>(std::bit_cast<T>(bytes));
     }

@@ -42,17 +42,17 @@ void push_random_triangle(Mesh& mesh, Random& random, const Vec3& centre, float 
     push_triangle(mesh, a, b, c);
 }
 
-/// The least n with n * n >= value.
+/// The least n > 0 with n * n >= value.
 std::uint32_t square_root_up(std::uint64_t value) {
-    std::uint64_t root = 0;
+    std::uint64_t root = 1;
     while (root * root < value)
         ++root;
     return static_cast<std::uint32_t>(root);
 }
 
-/// The least n with n * n * n >= value.
+/// The least n > 0 with n * n * n >= value.
 std::uint32_t cube_root_up(std::uint64_t value) {
-    std::uint64_t root = 0;
+    std::uint64_t root = 1;
     while (root * root * root < value)
         ++root;
     return static_cast<std::uint32_t>(root);
@@ -60,7 +60,7 @@ std::uint32_t cube_root_up(std::uint64_t value) {
 
 /// Half the edge of a cube's share of the unit cube, where `count` of them fill it.
 float half_share(std::uint64_t count) {
-    return 0.5f / static_cast<float>(std::max(1U, cube_root_up(count)));
+    return 0.5f / static_cast<float>(cube_root_up(count));
 }
 
 Mesh make_soup(std::uint64_t count, std::uint64_t seed) {
@@ -77,7 +77,7 @@ Mesh make_soup(std::uint64_t count, std::uint64_t seed) {
 Mesh make_clustered(std::uint64_t count, std::uint64_t seed) {
     struct Cluster {
         Vec3 centre;
-        float radius;
+        float radius = 0.0f;
     };
     Random random(seed);
     std::array<Cluster, 100> clusters;
@@ -128,14 +128,14 @@ float terrain_height(float x, float z, std::uint64_t seed) {
 Mesh make_terrain(std::uint64_t count, std::uint64_t seed) {
     const std::uint64_t cells = (count + 1) / 2;
     const std::uint32_t columns = square_root_up(cells);
-    const auto rows = static_cast<std::uint32_t>(cells == 0 ? 0 : (cells + columns - 1) / columns);
+    const auto rows = static_cast<std::uint32_t>((cells + columns - 1) / columns);
     Mesh mesh;
     mesh.vertices.reserve((columns + 1ULL) * (rows + 1ULL));
     mesh.triangles.reserve(count);
     for (std::uint32_t row = 0; row <= rows; ++row) {
         for (std::uint32_t column = 0; column <= columns; ++column) {
-            const float x = static_cast<float>(column) / static_cast<float>(std::max(1U, columns));
-            const float z = static_cast<float>(row) / static_cast<float>(std::max(1U, columns));
+            const float x = static_cast<float>(column) / static_cast<float>(columns);
+            const float z = static_cast<float>(row) / static_cast<float>(columns);
             push_vertex(mesh, {x, terrain_height(x, z, seed), z});
         }
     }
@@ -179,7 +179,8 @@ Mesh make_city(std::uint64_t count, std::uint64_t seed) {
     const auto extent = static_cast<float>(side);
     push_quad(mesh, count, {0, 0, 0}, {extent, 0, 0}, {0, 0, extent});
     for (std::uint32_t block = 0; mesh.triangles.size() < count; ++block) {
-        const Vec3 corner{static_cast<float>(block % side), 0, static_cast<float>(block / side)};
+        const std::uint32_t row = block / side;
+        const Vec3 corner{static_cast<float>(block % side), 0, static_cast<float>(row)};
         const float u = random.unit();
         const Vec3 size{random.between(0.4f, 0.7f), 0.2f + 5 * u * u * u, random.between(0.4f, 0.7f)};
         push_building(mesh, count, corner + Vec3{0.15f, 0, 0.15f}, size);
@@ -207,12 +208,12 @@ Mesh make_hair(std::uint64_t count, std::uint64_t seed) {
     return mesh;
 }
 
-/// Every second triangle is the same one; the others take turns among emitters of 256 or so equal triangles.
+/// Every second triangle is the same one; the others belong to emitters of 256 or more equal triangles.
 Mesh make_particles(std::uint64_t count, std::uint64_t seed) {
     constexpr std::uint64_t kTrianglesPerEmitter = 256;
     Random random(seed);
     Mesh mesh;
-    const std::uint64_t emitters = 1 + count / 2 / kTrianglesPerEmitter;
+    const std::uint64_t emitters = std::max<std::uint64_t>(1, count / 2 / kTrianglesPerEmitter);
     mesh.vertices.reserve(3 * (1 + emitters));
     mesh.triangles.reserve(count);
     for (std::uint64_t i = 0; i < 1 + emitters; ++i) {
@@ -246,7 +247,7 @@ Mesh make_line(std::uint64_t count, std::uint64_t seed) {
 
 struct Generator {
     SceneGeneratorInfo info;
-    Mesh (*make)(std::uint64_t count, std::uint64_t seed);
+    Mesh (*make)(std::uint64_t count, std::uint64_t seed) = nullptr;
 };
 
 constexpr std::array kGenerators{
@@ -255,7 +256,7 @@ constexpr std::array kGenerators{
     Generator{{"terrain", "a smooth heightfield of equal triangles"}, make_terrain},
     Generator{{"city", "few huge triangles (ground, buildings) beside very many tiny ones"}, make_city},
     Generator{{"hair", "long, thin, diagonal, overlapping triangles"}, make_hair},
-    Generator{{"particles", "many triangles with the same box: half of all, and groups of 256"}, make_particles},
+    Generator{{"particles", "many triangles with the same box: half of all, and groups of some 256"}, make_particles},
     Generator{{"line", "triangles whose centroids are collinear"}, make_line},
     Generator{{"sphere", "a tessellated sphere, closed for even counts from 8; the seed has no effect"},
               [](std::uint64_t count, std::uint64_t) { return io::make_sphere(count); }},

@@ -38,9 +38,11 @@ enum class NeighbourSearch : std::uint8_t {
 
 /// Options of the device builders. A zero size means: chosen for the device.
 struct BuildOptions {
-    std::uint32_t search_radius = 16;          ///< R of PLOC and PLOC++: neighbours searched to each side, 1 to 32.
-    Shape shape = Shape::automatic;            ///< See Shape.
-    MortonCode morton_code = MortonCode::xyz;  ///< See MortonCode.
+    std::uint32_t search_radius = 16;  ///< R of PLOC and PLOC++: neighbours searched to each side, 1 to 32.
+    Shape shape = Shape::automatic;    ///< See Shape.
+    Shape sort_shape =
+        Shape::automatic;  ///< Shape of the sort alone; automatic: lane on CPU devices that pass the self-test.
+    MortonCode morton_code = MortonCode::xyz;                             ///< See MortonCode.
     NeighbourEncoding neighbour_encoding = NeighbourEncoding::automatic;  ///< See NeighbourEncoding.
     NeighbourSearch neighbour_search = NeighbourSearch::automatic;        ///< See NeighbourSearch.
     std::uint32_t single_group_threshold =

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace clbvh::tool {
+
+/// One subcommand: its arguments, and what it does once they are parsed. run() returns the exit code.
+struct Command {
+    CLI::App* arguments;
+    std::function<int()> run;
+};
+
+Command add_devices_command(CLI::App& app);
+Command add_builders_command(CLI::App& app);
+Command add_scenes_command(CLI::App& app);
+Command add_build_command(CLI::App& app);
+Command add_bench_command(CLI::App& app);
+
+}  // namespace clbvh::tool

@@ -1,0 +1,99 @@
+#include <fmt/core.h>
+
+#include <clbvh/builder.hpp>
+#include <clbvh/io/bvh_file.hpp>
+#include <clbvh/io/scene.hpp>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "build_arguments.hpp"
+#include "build_report.hpp"
+#include "build_result.hpp"
+#include "command.hpp"
+#include "interrupt.hpp"
+#include "json_output.hpp"
+#include "output_file.hpp"
+#include "progress_bar.hpp"
+#include "result_json.hpp"
+#include "stopwatch.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+struct Arguments {
+    std::string scene;
+    std::string builder = "plocpp";
+    BuildArguments build;
+    bool validate = false;
+    std::string output;
+    JsonOutput json;
+};
+
+/// What needs no mesh is checked first: loading one may take long.
+void check_arguments(const Arguments& arguments) {
+    check_options(arguments.build.options);
+    static_cast<void>(find_builder(arguments.builder));
+    arguments.json.require_writable();
+    if (!arguments.output.empty()) require_writable(arguments.output);
+}
+
+/// Builds twice: some drivers compile a kernel only when it is first launched, and times are without compilation.
+Bvh build_twice(const Arguments& arguments, const Context& context, const Mesh& mesh, BuildResult& result) {
+    constexpr double kRuns = 2.0;
+    ProgressBar bar;
+    double finished_runs = 0.0;
+    BuildOptions options = arguments.build.options;
+    options.progress = [&](const Progress& progress) {
+        bar.show((finished_runs + progress.fraction) / kRuns, progress.stage);
+        return !interrupted();
+    };
+    const Stopwatch first_build;
+    Builder builder(arguments.builder, context, options);
+    builder.upload(mesh);
+    builder.run();
+    const double first_build_ms = first_build.milliseconds();
+    finished_runs = 1.0;
+    const BuildStats stats = builder.run();
+    result = summarize_runs(builder, arguments.scene, mesh, std::span(&stats, 1));
+    result.first_build_ms = first_build_ms;
+    return builder.download();
+}
+
+int build(const Arguments& arguments) {
+    check_arguments(arguments);
+    const Context context = Context::open(arguments.build.device);
+    const Stopwatch load;
+    const Mesh mesh = load_scene(arguments.scene);
+    const double load_ms = load.milliseconds();
+    throw_if_interrupted();
+
+    BuildResult result;
+    const Bvh bvh = build_twice(arguments, context, mesh, result);
+    describe_tree(result, bvh, mesh, arguments.validate);
+    throw_if_interrupted();
+    if (arguments.json.leaves_standard_output()) fmt::print("{}", build_report(context.device(), result, load_ms));
+    const bool invalid = !result.valid.value_or(true);
+    if (!arguments.output.empty() && !invalid) write_bvh(bvh, arguments.output);
+    const std::span<const BuildResult> results(&result, 1);
+    arguments.json.write(to_json(context.device(), results));
+    return report_invalid_trees(results);
+}
+
+}  // namespace
+
+Command add_build_command(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("build", "Build a tree over one scene");
+    auto arguments = std::make_shared<Arguments>();
+    command->add_option("scene", arguments->scene, "Mesh file, or gen:NAME[:COUNT[:SEED]]; see clbvh scenes")
+        ->type_name("SCENE")
+        ->required();
+    command->add_option("--builder", arguments->builder, "See clbvh builders")->type_name("ID")->capture_default_str();
+    arguments->build.add_options(*command);
+    command->add_option("-o,--output", arguments->output, "Write the tree to this file")->type_name("FILE");
+    command->add_flag("--validate", arguments->validate, "Prove the tree right; exit code 3 where it is not");
+    arguments->json.add_option(*command);
+    return {command, [arguments] { return build(*arguments); }};
+}
+
+}  // namespace clbvh::tool

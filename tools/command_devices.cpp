@@ -1,0 +1,68 @@
+#include <fmt/core.h>
+
+#include <clbvh/core/error.hpp>
+#include <clbvh/device/device.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "exit_code.hpp"
+#include "json_output.hpp"
+#include "result_json.hpp"
+#include "table.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+/// The device that a build without --device uses; none where CLBVH_DEVICE names a device that is not there, which must
+/// not keep this command from showing what is.
+std::optional<std::size_t> default_device() {
+    try {
+        return pick_device().index;
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+}
+
+Table device_table(const std::vector<DeviceInfo>& devices, std::optional<std::size_t> default_index) {
+    Table table({"device", "default", "type", "units", "group", "local KiB", "memory MiB", "64-bit atomics", "platform",
+                 "name"},
+                Table::Align::left);
+    for (const DeviceInfo& device : devices) {
+        table.add_row({std::to_string(device.index), device.index == default_index ? "yes" : "",
+                       std::string(to_string(device.type)), std::to_string(device.compute_units),
+                       std::to_string(device.max_work_group_size), std::to_string(device.local_memory_bytes >> 10),
+                       std::to_string(device.global_memory_bytes >> 20), device.int64_atomics ? "yes" : "no",
+                       device.platform, device.name});
+    }
+    return table;
+}
+
+int list(const JsonOutput& json) {
+    json.require_writable();
+    const std::vector<DeviceInfo> devices = list_devices();
+    // The library's message for "none at all" says what to install.
+    if (devices.empty()) static_cast<void>(pick_device());
+    const std::optional<std::size_t> default_index = default_device();
+    nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+    for (const DeviceInfo& device : devices) {
+        entries.push_back(to_json(device));
+        entries.back()["default"] = device.index == default_index;
+    }
+    if (json.leaves_standard_output()) fmt::print("{}", device_table(devices, default_index).text());
+    json.write({{"devices", entries}});
+    return kExitSuccess;
+}
+
+}  // namespace
+
+Command add_devices_command(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("devices", "List the OpenCL devices");
+    auto json = std::make_shared<JsonOutput>();
+    json->add_option(*command);
+    return {command, [json] { return list(*json); }};
+}
+
+}  // namespace clbvh::tool
