@@ -1,0 +1,117 @@
+#include "clbvh/core/build_options.hpp"
+
+#include <catch2/catch.hpp>
+#include <functional>
+#include <string>
+
+#include "clbvh/core/error.hpp"
+#include "support/expect_error.hpp"
+
+using namespace clbvh;
+using clbvh::test::expect_error;
+
+namespace {
+
+using Change = std::function<void(BuildOptions&)>;
+
+void expect_accepted(const Change& change) {
+    BuildOptions options;
+    change(options);
+    CHECK_NOTHROW(check_options(options));
+}
+
+void expect_rejected(const std::string& name, std::uint32_t value, const Change& change) {
+    BuildOptions options;
+    change(options);
+    expect_error(ErrorCode::invalid_input, {name + " is " + std::to_string(value) + "; it must be "},
+                 [&] { check_options(options); });
+}
+
+template <typename Enum, typename FromName>
+void expect_round_trip(Enum value, const char* name, FromName from_name) {
+    CHECK(to_string(value) == name);
+    CHECK(from_name(name) == value);
+}
+
+}  // namespace
+
+TEST_CASE("the defaults are valid options") {
+    CHECK_NOTHROW(check_options({}));
+}
+
+TEST_CASE("options are accepted up to the ends of their ranges") {
+    for (const std::uint32_t radius : {1u, 2u, 31u, 32u}) {
+        expect_accepted([&](BuildOptions& o) { o.search_radius = radius; });
+    }
+    for (const std::uint32_t threshold : {2u, 1u << 20}) {
+        expect_accepted([&](BuildOptions& o) { o.single_group_threshold = threshold; });
+    }
+    for (const std::uint32_t chunk : {0u, 64u, 128u, 192u, 4096u}) {
+        expect_accepted([&](BuildOptions& o) { o.chunk_size = chunk; });
+    }
+    for (const std::uint32_t size : {0u, 32u, 64u, 1024u}) {
+        expect_accepted([&](BuildOptions& o) { o.work_group_size = size; });
+    }
+    for (const std::uint32_t count : {0u, 1u, 512u}) {
+        expect_accepted([&](BuildOptions& o) { o.range_count = count; });
+    }
+}
+
+TEST_CASE("options beyond their ranges are rejected by name and value") {
+    for (const std::uint32_t radius : {0u, 33u, ~0u}) {
+        expect_rejected("search_radius", radius, [&](BuildOptions& o) { o.search_radius = radius; });
+    }
+    for (const std::uint32_t threshold : {0u, 1u, (1u << 20) + 1}) {
+        expect_rejected("single_group_threshold", threshold,
+                        [&](BuildOptions& o) { o.single_group_threshold = threshold; });
+    }
+    for (const std::uint32_t chunk : {1u, 63u, 65u, 4095u, 4160u}) {
+        expect_rejected("chunk_size", chunk, [&](BuildOptions& o) { o.chunk_size = chunk; });
+    }
+    for (const std::uint32_t size : {1u, 16u, 48u, 1023u, 2048u}) {
+        expect_rejected("work_group_size", size, [&](BuildOptions& o) { o.work_group_size = size; });
+    }
+    for (const std::uint32_t count : {513u, ~0u}) {
+        expect_rejected("range_count", count, [&](BuildOptions& o) { o.range_count = count; });
+    }
+}
+
+TEST_CASE("values that are no enumerators are rejected") {
+    expect_rejected("shape", 3, [](BuildOptions& o) { o.shape = static_cast<Shape>(3); });
+    expect_rejected("morton_code", 2, [](BuildOptions& o) { o.morton_code = static_cast<MortonCode>(2); });
+    expect_rejected("neighbour_encoding", 9,
+                    [](BuildOptions& o) { o.neighbour_encoding = static_cast<NeighbourEncoding>(9); });
+    expect_rejected("neighbour_search", 255,
+                    [](BuildOptions& o) { o.neighbour_search = static_cast<NeighbourSearch>(255); });
+}
+
+TEST_CASE("the first option out of its range is named") {
+    expect_rejected("search_radius", 0, [](BuildOptions& o) {
+        o.search_radius = 0;
+        o.range_count = 1000;
+    });
+}
+
+TEST_CASE("names of options' values lead back to the values") {
+    expect_round_trip(Shape::automatic, "auto", shape_from);
+    expect_round_trip(Shape::group, "group", shape_from);
+    expect_round_trip(Shape::lane, "lane", shape_from);
+    expect_round_trip(MortonCode::xyz, "xyz", morton_code_from);
+    expect_round_trip(MortonCode::extended, "extended", morton_code_from);
+    expect_round_trip(NeighbourEncoding::automatic, "auto", neighbour_encoding_from);
+    expect_round_trip(NeighbourEncoding::bits32, "bits32", neighbour_encoding_from);
+    expect_round_trip(NeighbourEncoding::bits64, "bits64", neighbour_encoding_from);
+    expect_round_trip(NeighbourSearch::automatic, "auto", neighbour_search_from);
+    expect_round_trip(NeighbourSearch::symmetric, "symmetric", neighbour_search_from);
+    expect_round_trip(NeighbourSearch::scan, "scan", neighbour_search_from);
+}
+
+TEST_CASE("unknown names lead to nothing") {
+    for (const char* name : {"", "Group", "group ", "automatic", "bits", "64"}) {
+        INFO(name);
+        CHECK_FALSE(shape_from(name));
+        CHECK_FALSE(morton_code_from(name));
+        CHECK_FALSE(neighbour_encoding_from(name));
+        CHECK_FALSE(neighbour_search_from(name));
+    }
+}

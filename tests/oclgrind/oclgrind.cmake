@@ -1,0 +1,16 @@
+# run_in_oclgrind(REPORT COMMAND...): runs COMMAND with Oclgrind's device as the only one. Fails where the command fails;
+# what Oclgrind reported goes to the variable REPORT. LOG is the file to use.
+function(run_in_oclgrind report)
+  file(REMOVE ${LOG})
+  set(ENV{CLBVH_DEVICE} Oclgrind)
+  execute_process(COMMAND ${OCLGRIND} --data-races --uninitialized --log ${LOG} ${ARGN}
+    OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE result)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${ARGN} ended with ${result} under Oclgrind:\n${output}")
+  endif()
+  if(NOT EXISTS ${LOG})
+    message(FATAL_ERROR "${ARGN} ran, but not on Oclgrind's device:\n${output}")
+  endif()
+  file(READ ${LOG} text)
+  set(${report} "${text}" PARENT_SCOPE)
+endfunction()

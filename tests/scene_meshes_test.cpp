@@ -1,0 +1,76 @@
+// Builders on real meshes: the folder that CLBVH_SCENES names, where it is set.
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+
+#include "clbvh/core/validate.hpp"
+#include "clbvh/io/scene.hpp"
+#include "clbvh/metrics/sah.hpp"
+#include "support/builders.hpp"
+
+using namespace clbvh;
+using namespace clbvh::test;
+
+namespace {
+
+/// Nothing, and a word about it, where there is no such mesh here.
+std::optional<Mesh> load_scene_mesh(const std::string& name) {
+    const char* folder = std::getenv("CLBVH_SCENES");
+    if (folder == nullptr || *folder == '\0') {
+        WARN("SKIPPED: CLBVH_SCENES names no folder of meshes");
+        return std::nullopt;
+    }
+    const std::filesystem::path path = std::filesystem::path(folder) / (name + ".ply");
+    if (!std::filesystem::exists(path)) {
+        WARN("SKIPPED: there is no " << path);
+        return std::nullopt;
+    }
+    return load_scene(path.string());
+}
+
+Builder make_large_builder(std::string_view id, Shape shape) {
+    BuildOptions options = options_of(shape);
+    options.range_count = 64;
+    return make_builder(id, options);
+}
+
+void expect_good_trees(const Mesh& mesh) {
+    double exact_cost = 0.0;
+    for (const std::string_view id : device_builders()) {
+        INFO(id);
+        Builder lane = make_large_builder(id, Shape::lane);
+        Builder group = make_large_builder(id, Shape::group);
+        const Bvh bvh = lane.build(mesh);
+        CHECK(same_bytes(group.build(mesh), bvh));
+        CHECK(validate(bvh, mesh).error == "");
+        const double cost = sah_cost(bvh);
+        if (id == "ploc") exact_cost = cost;
+        if (id == "plocpp") CHECK(cost <= 1.02 * exact_cost);
+        if (id == "plocpp-two-level") CHECK(cost <= 1.06 * exact_cost);
+    }
+}
+
+void expect_good_trees_of(const std::string& name) {
+    const std::optional<Mesh> mesh = load_scene_mesh(name);
+    if (mesh) expect_good_trees(*mesh);
+}
+
+}  // namespace
+
+TEST_CASE("builders on the mesh bunny") {
+    expect_good_trees_of("bunny");
+}
+TEST_CASE("builders on the mesh kitchen_obvhs") {
+    expect_good_trees_of("kitchen_obvhs");
+}
+TEST_CASE("builders on the mesh living_room") {
+    expect_good_trees_of("living_room");
+}
+
+TEST_CASE("builders on larger generated scenes") {
+    for (const std::string_view scene : {"terrain", "sphere", "city"}) {
+        INFO(scene);
+        expect_good_trees(generate_scene(scene, 100000));
+    }
+}

@@ -1,0 +1,66 @@
+#include "support/builders.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstring>
+
+#include "clbvh/core/validate.hpp"
+#include "support/compare_trees.hpp"
+#include "support/tree_oracle.hpp"
+
+namespace clbvh::test {
+
+const Context& shared_context() {
+    static const Context context = Context::open();
+    return context;
+}
+
+std::vector<std::string_view> device_builders() {
+    std::vector<std::string_view> ids;
+    for (const BuilderInfo& info : builders()) {
+        if (info.kind == BuilderKind::device) ids.push_back(info.id);
+    }
+    return ids;
+}
+
+Builder make_builder(std::string_view id, const BuildOptions& options) {
+    return Builder(id, shared_context(), options);
+}
+
+BuildOptions options_of(Shape shape, std::uint32_t radius) {
+    BuildOptions options;
+    options.shape = shape;
+    options.search_radius = radius;
+    options.range_count = 8;
+    return options;
+}
+
+bool expect_oracle_tree(const Builder& builder, const Bvh& bvh, const Mesh& mesh, const std::string& where) {
+    const BuildOptions& options = builder.options();
+    INFO(builder.info().id << ", " << to_string(options.shape) << ", radius " << options.search_radius << ", "
+                           << where);
+    const MortonOrder order = morton_order(mesh, options.morton_code);
+    const Bvh expected = oracle_tree(builder.info().id, order, options).bvh;
+    const std::string difference = compare_trees(expected, bvh);
+    const std::string fault = validate(bvh, mesh).error;
+    const bool same_numbering = same_bytes(expected, bvh);
+    CHECK(difference == "");
+    CHECK(fault == "");
+    CHECK(same_numbering);
+    return difference.empty() && fault.empty() && same_numbering;
+}
+
+bool same_bytes(const Bvh& a, const Bvh& b) {
+    if (a.primitive_count != b.primitive_count || a.primitive_ids != b.primitive_ids) return false;
+    if (a.nodes.size() != b.nodes.size()) return false;
+    return a.nodes.empty() || std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(Node)) == 0;
+}
+
+const StageStats& stage(const BuildStats& stats, std::string_view name) {
+    const auto found = std::find_if(stats.stages.begin(), stats.stages.end(),
+                                    [&](const StageStats& candidate) { return candidate.name == name; });
+    if (found == stats.stages.end()) FAIL("there is no stage " << name);
+    return *found;
+}
+
+}  // namespace clbvh::test

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "clbvh/builder.hpp"
+
+namespace clbvh::test {
+
+/// The context that all tests of one process share, so that each program is built once.
+[[nodiscard]] const Context& shared_context();
+
+/// Ids of the registry's device builders.
+[[nodiscard]] std::vector<std::string_view> device_builders();
+
+/// A builder on the shared context.
+[[nodiscard]] Builder make_builder(std::string_view id, const BuildOptions& options = {});
+
+/// Options of one shape, with a number of Morton ranges that oracles know.
+[[nodiscard]] BuildOptions options_of(Shape shape, std::uint32_t radius = 16);
+
+/// Checks that `bvh` is the oracle's tree for these options, with the documented numbering, and valid.
+/// Returns false after the first failed check, so that a loop can stop.
+bool expect_oracle_tree(const Builder& builder, const Bvh& bvh, const Mesh& mesh, const std::string& where);
+
+/// True where both trees are the same bytes.
+[[nodiscard]] bool same_bytes(const Bvh& a, const Bvh& b);
+
+/// The stage of this name. Fails the test where there is none.
+[[nodiscard]] const StageStats& stage(const BuildStats& stats, std::string_view name);
+
+}  // namespace clbvh::test

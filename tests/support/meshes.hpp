@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "clbvh/core/mesh.hpp"
+
+namespace clbvh::test {
+
+/// `count` small triangles with vertices of their own, spread evenly over a box around the origin.
+[[nodiscard]] Mesh random_triangles(std::size_t count, std::uint32_t seed = 1);
+
+/// `count` triangles that all have the same box.
+[[nodiscard]] Mesh coincident_triangles(std::size_t count);
+
+/// Sets the y coordinate of one vertex of each `step`-th triangle to NaN, starting with triangle `first`. Meant for
+/// meshes whose triangles share no vertices.
+void deactivate_triangles(Mesh& mesh, std::size_t first = 0, std::size_t step = 1);
+
+}  // namespace clbvh::test

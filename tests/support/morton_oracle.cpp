@@ -1,0 +1,147 @@
+#include "support/morton_oracle.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace clbvh::test {
+namespace {
+
+constexpr std::size_t kCodeBits = 63;
+constexpr std::size_t kSizeChannel = 3;
+
+/// Which channel each bit of a code comes from, the most significant first: an axis, or the primitive's size.
+using BitSources = std::array<std::size_t, kCodeBits>;
+
+std::array<float, 3> to_array(const Vec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+Vec3 canonical(const Vec3& v) {
+    return {v.x + 0.0f, v.y + 0.0f, v.z + 0.0f};
+}
+
+std::array<float, 3> extents_of(const Aabb& box) {
+    return {box.upper.x - box.lower.x, box.upper.y - box.lower.y, box.upper.z - box.lower.z};
+}
+
+float diagonal(const Aabb& box) {
+    const auto [x, y, z] = extents_of(box);
+    return std::sqrt((x * x + y * y) + z * z);
+}
+
+BitSources xyz_sources() {
+    BitSources sources{};
+    for (std::size_t k = 0; k < sources.size(); ++k)
+        sources[k] = k % 3;
+    return sources;
+}
+
+/// Vinkler, Bittner, Havran 2017: each bit halves the axis that is longest by then; each seventh is one of the size.
+BitSources extended_sources(std::array<float, 3> extents) {
+    BitSources sources{};
+    std::array<int, 3> counts{};
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+        sources[k] = kSizeChannel;
+        if (k % 7 == 6) continue;
+        std::size_t longest = kSizeChannel;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (counts[axis] < 31 && (longest == kSizeChannel || extents[axis] > extents[longest])) longest = axis;
+        }
+        sources[k] = longest;
+        extents[longest] *= 0.5f;
+        ++counts[longest];
+    }
+    return sources;
+}
+
+/// `offset` within `extent`, as a number of `bits` bits.
+std::uint32_t quantise(float offset, float extent, std::size_t bits) {
+    if (!(extent > 0.0f)) return 0;
+    const auto cells = static_cast<float>(1u << bits);
+    const float scale = std::min(cells / extent, std::numeric_limits<float>::max());
+    return std::min(static_cast<std::uint32_t>(offset * scale), (1u << bits) - 1);
+}
+
+std::uint32_t quantise_size(float size, float scene_size, std::size_t bits) {
+    if (!(scene_size > 0.0f)) return 0;
+    const float scale = static_cast<float>(1u << bits) / scene_size;
+    return std::min(static_cast<std::uint32_t>(size * scale), (1u << bits) - 1);
+}
+
+/// Takes the bits of each channel, the most significant first, as `sources` asks for them.
+std::uint64_t interleave(const BitSources& sources, const std::array<std::uint32_t, 4>& values,
+                         std::array<std::size_t, 4> bits_left) {
+    std::uint64_t code = 0;
+    for (const std::size_t source : sources) {
+        --bits_left[source];
+        code = (code << 1) | ((values[source] >> bits_left[source]) & 1u);
+    }
+    return code;
+}
+
+}  // namespace
+
+ActivePrimitives active_primitives(const Mesh& mesh) {
+    ActivePrimitives active;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        if (is_inactive(mesh, i)) continue;
+        const Aabb box = triangle_bounds(mesh, i);
+        active.ids.push_back(static_cast<std::uint32_t>(i));
+        active.bounds.push_back({canonical(box.lower), canonical(box.upper)});
+    }
+    return active;
+}
+
+SceneBounds scene_bounds(std::span<const Aabb> bounds) {
+    SceneBounds scene;
+    for (const Aabb& box : bounds) {
+        scene.primitives = merge(scene.primitives, box);
+        scene.doubled_centroids = merge(scene.doubled_centroids, doubled_centroid(box));
+    }
+    return scene;
+}
+
+std::vector<std::uint64_t> morton_codes(std::span<const Aabb> bounds, MortonCode code) {
+    const SceneBounds scene = scene_bounds(bounds);
+    const auto extents = extents_of(scene.doubled_centroids);
+    const auto lower = to_array(scene.doubled_centroids.lower);
+    const float scene_size = diagonal(scene.primitives);
+    const BitSources sources = code == MortonCode::xyz ? xyz_sources() : extended_sources(extents);
+    std::array<std::size_t, 4> bits{};
+    for (const std::size_t source : sources)
+        ++bits[source];
+
+    std::vector<std::uint64_t> codes;
+    for (const Aabb& box : bounds) {
+        const auto centroid = to_array(doubled_centroid(box));
+        std::array<std::uint32_t, 4> values{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            values[axis] = quantise(centroid[axis] - lower[axis], extents[axis], bits[axis]);
+        }
+        values[kSizeChannel] = quantise_size(diagonal(box), scene_size, bits[kSizeChannel]);
+        codes.push_back(interleave(sources, values, bits));
+    }
+    return codes;
+}
+
+MortonOrder morton_order(const Mesh& mesh, MortonCode code) {
+    const ActivePrimitives active = active_primitives(mesh);
+    const std::vector<std::uint64_t> codes = morton_codes(active.bounds, code);
+    std::vector<std::size_t> order(codes.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return codes[a] < codes[b]; });
+
+    MortonOrder sorted;
+    sorted.primitive_count = mesh.triangles.size();
+    for (const std::size_t i : order) {
+        sorted.codes.push_back(codes[i]);
+        sorted.ids.push_back(active.ids[i]);
+        sorted.bounds.push_back(active.bounds[i]);
+    }
+    return sorted;
+}
+
+}  // namespace clbvh::test

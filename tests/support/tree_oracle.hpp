@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "clbvh/core/build_options.hpp"
+#include "clbvh/core/bvh.hpp"
+#include "support/morton_oracle.hpp"
+
+namespace clbvh::test {
+
+/// How a cluster compares its candidates.
+enum class Comparison {
+    exact,   ///< By distance, then by i ^ j.
+    packed,  ///< By the 32-bit key of PLOC++, whose lowest bits of distance give way to those of i ^ j.
+};
+
+/// A tree, and how the clustering came about.
+struct OracleTree {
+    Bvh bvh;
+    std::vector<std::uint32_t> clusters_per_iteration;  ///< Of the clustering that ends at the root.
+};
+
+/// PLOC over the whole order: the tree of `ploc` and, with its own comparison, of `plocpp`.
+[[nodiscard]] OracleTree ploc_tree(const MortonOrder& order, std::uint32_t radius, Comparison comparison);
+
+/// PLOC within each of at least `range_count` ranges (where they can be split so far), then over what is left of them.
+[[nodiscard]] OracleTree two_level_tree(const MortonOrder& order, std::uint32_t radius, Comparison comparison,
+                                        std::uint32_t range_count);
+
+/// The tree of the codes' common prefixes.
+[[nodiscard]] OracleTree lbvh_tree(const MortonOrder& order);
+
+/// The tree that the builder of this id documents for these options. Options of zero for "chosen" are not resolved:
+/// the two-level builder needs its range_count.
+[[nodiscard]] OracleTree oracle_tree(std::string_view builder_id, const MortonOrder& order,
+                                     const BuildOptions& options);
+
+}  // namespace clbvh::test

@@ -1,0 +1,159 @@
+#include <catch2/catch.hpp>
+#include <clbvh/core/validate.hpp>
+#include <clbvh/io/bvh_file.hpp>
+#include <clbvh/io/scene.hpp>
+#include <clbvh/metrics/sah.hpp>
+#include <clbvh/registry.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "result_fields.hpp"
+#include "scratch_folder.hpp"
+#include "tool_process.hpp"
+
+using namespace clbvh;
+using namespace clbvh::test;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+using nlohmann::ordered_json;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// Runs `build` with JSON on standard output, and returns the one result.
+ordered_json result_of(Words arguments) {
+    arguments.insert(arguments.begin(), "build");
+    arguments.insert(arguments.end(), {"--json", "-"});
+    const Outcome outcome = run_tool(arguments);
+    INFO(outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    CHECK(outcome.err.empty());
+    const ordered_json document = ordered_json::parse(outcome.out);
+    CHECK(field_names(document) == Words{"device", "results"});
+    check_device(document["device"]);
+    REQUIRE(document["results"].size() == 1);
+    return document["results"][0];
+}
+
+void expect_failure(Words arguments, const Words& parts) {
+    arguments.insert(arguments.begin(), "build");
+    arguments.insert(arguments.end(), {"--json", "-"});
+    const Outcome outcome = run_tool(arguments);
+    INFO(outcome.err);
+    CHECK(outcome.exit_code == 1);
+    CHECK(outcome.out.empty());
+    CHECK_THAT(outcome.err, StartsWith("clbvh: error: "));
+    for (const std::string& part : parts)
+        CHECK_THAT(outcome.err, Contains(part));
+}
+
+}  // namespace
+
+TEST_CASE("build describes what every builder did") {
+    for (const BuilderInfo& builder : builders()) {
+        const ordered_json result =
+            result_of({"gen:soup:3000:7", "--builder", std::string(builder.id), "--radius", "8", "--validate"});
+        check_result(result, {"valid", "first_build_ms"});
+        CHECK(result["scene"] == "gen:soup:3000:7");
+        CHECK(result["triangles"] == 3000);
+        CHECK(result["builder"] == builder.id);
+        CHECK(result["radius"] == (builder.uses_search_radius ? 8 : 0));
+        CHECK(result["valid"] == true);
+        CHECK(result["first_build_ms"].get<double>() > 0.0);
+    }
+}
+
+TEST_CASE("build says nothing of validity unless asked") {
+    const ordered_json unasked = result_of({"gen:city:2000"});
+    check_result(unasked, {"first_build_ms"});
+    CHECK(unasked["builder"] == "plocpp");
+    CHECK(unasked["radius"] == 16);
+    const ordered_json asked = result_of({"gen:city:2000", "--validate"});
+    for (const char* field : {"sah", "depth", "nodes", "leaves"})
+        CHECK(unasked[field] == asked[field]);
+}
+
+TEST_CASE("build obeys the options of a build") {
+    CHECK(result_of({"gen:soup:3000", "--shape", "group"})["shape"] == "group");
+    CHECK(result_of({"gen:soup:3000", "--shape", "lane"})["shape"] == "lane");
+    const auto sah = [](const Words& options) {
+        Words words{"gen:clustered:3000"};
+        words.insert(words.end(), options.begin(), options.end());
+        return result_of(words)["sah"].get<double>();
+    };
+    CHECK(sah({"--radius", "1"}) > sah({"--radius", "32"}));
+    CHECK(sah({"--morton", "xyz"}) != sah({"--morton", "extended"}));
+    const auto iterations = [](const std::string& threshold) {
+        return result_of({"gen:soup:20000", "--threshold", threshold})["iterations"].get<int>();
+    };
+    CHECK(iterations("64") > iterations("16384"));
+}
+
+TEST_CASE("tuning does not change the tree's size") {
+    for (const Words& tuning :
+         {Words{"--encoding", "bits64", "--search", "scan", "--shape", "group"},
+          Words{"--encoding", "bits32", "--search", "symmetric", "--shape", "group"},
+          Words{"--chunk", "128", "--shape", "lane"}, Words{"--work-group", "128", "--shape", "group"},
+          Words{"--ranges", "5", "--builder", "plocpp-two-level"}}) {
+        Words words{"gen:hair:3000", "--validate"};
+        words.insert(words.end(), tuning.begin(), tuning.end());
+        CHECK(result_of(words)["valid"] == true);
+    }
+}
+
+TEST_CASE("build prints a summary for people") {
+    const Outcome outcome = run_tool({"build", "gen:soup:3000", "--validate"});
+    CHECK(outcome.exit_code == 0);
+    CHECK(outcome.err.empty());
+    for (const char* part : {"gen:soup:3000: 3000 triangles", "plocpp", "radius 16", "Mtris/s", "SAH", "depth",
+                             "5999 nodes, 3000 leaves", "valid", "bounds", "morton", "sort", "cluster", "layout"}) {
+        CHECK_THAT(outcome.out, Contains(part));
+    }
+}
+
+TEST_CASE("the file that build writes is the tree that it describes") {
+    const ScratchFolder folder;
+    const std::string path = folder.path("tree.bvh");
+    const ordered_json result = result_of({"gen:terrain:3000", "-o", path});
+    const Bvh bvh = read_bvh(path);
+    const ValidationReport report = validate(bvh, load_scene("gen:terrain:3000"));
+    INFO(report.error);
+    CHECK(report.valid);
+    CHECK(result["depth"] == report.depth);
+    CHECK(result["nodes"] == report.nodes);
+    CHECK(result["leaves"] == report.leaves);
+    CHECK(result["sah"].get<double>() == Approx(sah_cost(bvh)));
+    CHECK(folder.file_count() == 1);
+}
+
+TEST_CASE("build names what is wrong with its input") {
+    expect_failure({"gen:soup:10", "--builder", "plocpq"}, {"plocpq", "plocpp", "lbvh"});
+    expect_failure({"gen:stew"}, {"stew", "soup"});
+    expect_failure({"gen:soup:many"}, {"many"});
+    expect_failure({"/nonexistent/scene.obj"}, {"/nonexistent/scene.obj"});
+    expect_failure({"gen:soup:10", "--radius", "0"}, {"radius is 0", "1 to 32"});
+    expect_failure({"gen:soup:10", "--radius", "33"}, {"radius is 33", "1 to 32"});
+    expect_failure({"gen:soup:10", "--device", "no such device"}, {"no such device"});
+}
+
+TEST_CASE("build finds an output that cannot be written before it loads the scene") {
+    const ScratchFolder folder;
+    expect_failure({"/nonexistent/scene.obj", "-o", folder.path("none/tree.bvh")}, {"none/tree.bvh"});
+    expect_failure({"/nonexistent/scene.obj", "-o", folder.path("")}, {"not a regular file"});
+    expect_failure({"gen:soup:10", "-o", "/dev/null"}, {"/dev/null", "not a regular file"});
+    CHECK(folder.file_count() == 0);
+}
+
+TEST_CASE("scenes of no and of one triangle are built") {
+    const ordered_json empty = result_of({"gen:soup:0", "--validate"});
+    CHECK(empty["valid"] == true);
+    CHECK(empty["nodes"] == 0);
+    CHECK(empty["sah"] == 0.0);
+    CHECK(empty["mtris_per_s"] == 0.0);
+    CHECK(empty["peak_bytes_per_primitive"] == 0.0);
+    const ordered_json one = result_of({"gen:soup:1", "--validate"});
+    CHECK(one["valid"] == true);
+    CHECK(one["nodes"] == 1);
+}

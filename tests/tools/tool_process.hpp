@@ -1,0 +1,47 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace clbvh::test {
+
+/// What a run of the command left behind.
+struct Outcome {
+    int exit_code = 0;  ///< Minus the signal's number where one ended the process.
+    std::string out;    ///< Standard output.
+    std::string err;    ///< Standard error; empty where it was a terminal.
+};
+
+/// A running `clbvh`. Its output goes to unnamed files, so that a full pipe never stops it.
+class ToolProcess {
+public:
+    /// `environment` holds NAME=VALUE entries added to this process's. `stderr_fd` takes standard error where >= 0.
+    explicit ToolProcess(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {},
+                         int stderr_fd = -1);
+    ToolProcess(const ToolProcess&) = delete;
+    ToolProcess& operator=(const ToolProcess&) = delete;
+    ~ToolProcess();
+
+    /// Sends Ctrl-C's signal as soon as the process handles it itself.
+    void interrupt() const;
+    [[nodiscard]] Outcome wait();
+
+private:
+    struct Close {
+        void operator()(std::FILE* file) const { std::fclose(file); }
+    };
+
+    std::unique_ptr<std::FILE, Close> out_;
+    std::unique_ptr<std::FILE, Close> err_;
+    pid_t pid_ = -1;
+};
+
+/// Runs `clbvh` to its end.
+[[nodiscard]] Outcome run_tool(const std::vector<std::string>& arguments,
+                               const std::vector<std::string>& environment = {});
+
+}  // namespace clbvh::test

@@ -1,0 +1,68 @@
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "tool_process.hpp"
+
+using namespace clbvh::test;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+void expect_usage_error(const Words& arguments, const std::string& part) {
+    const Outcome outcome = run_tool(arguments);
+    INFO(outcome.err);
+    CHECK(outcome.exit_code == 2);
+    CHECK(outcome.out.empty());
+    CHECK_THAT(outcome.err, StartsWith("clbvh: error: ") && Contains(part));
+}
+
+}  // namespace
+
+TEST_CASE("help names every command, and of each command every option") {
+    const Outcome outcome = run_tool({"--help"});
+    CHECK(outcome.exit_code == 0);
+    CHECK(outcome.err.empty());
+    for (const char* command : {"devices", "builders", "scenes", "build", "bench"}) {
+        CHECK_THAT(outcome.out, Contains(command));
+        const Outcome help = run_tool({command, "--help"});
+        CHECK(help.exit_code == 0);
+        CHECK(help.err.empty());
+        CHECK_THAT(help.out, Contains("--json FILE"));
+    }
+    const Words shared{"--device", "--radius",    "--shape", "--morton",     "--encoding",
+                       "--search", "--threshold", "--chunk", "--work-group", "--ranges"};
+    for (const char* command : {"build", "bench"}) {
+        const Outcome help = run_tool({command, "--help"});
+        for (const std::string& option : shared)
+            CHECK_THAT(help.out, Contains(option));
+    }
+    CHECK_THAT(run_tool({"build", "--help"}).out, Contains("--builder") && Contains("-o") && Contains("--validate"));
+    CHECK_THAT(run_tool({"bench", "--help"}).out, Contains("--builders") && Contains("--runs"));
+}
+
+TEST_CASE("the version is the project's") {
+    const Outcome outcome = run_tool({"--version"});
+    CHECK(outcome.exit_code == 0);
+    CHECK(outcome.out == "clbvh " CLBVH_VERSION "\n");
+}
+
+TEST_CASE("a wrong command line is a usage error") {
+    expect_usage_error({}, "a command is missing");
+    expect_usage_error({"paint"}, "paint");
+    expect_usage_error({"build"}, "scene");
+    expect_usage_error({"bench"}, "scene");
+    expect_usage_error({"devices", "extra"}, "extra");
+    expect_usage_error({"build", "gen:soup:10", "--colour", "red"}, "--colour");
+    expect_usage_error({"build", "gen:soup:10", "--shape", "round"}, "--shape");
+    expect_usage_error({"build", "gen:soup:10", "--morton", "zyx"}, "--morton");
+    expect_usage_error({"build", "gen:soup:10", "--encoding", "bits16"}, "--encoding");
+    expect_usage_error({"build", "gen:soup:10", "--search", "far"}, "--search");
+    expect_usage_error({"build", "gen:soup:10", "--radius", "wide"}, "--radius");
+    expect_usage_error({"build", "gen:soup:10", "--radius", "-1"}, "--radius");
+    expect_usage_error({"bench", "gen:soup:10", "--runs", "0"}, "--runs");
+    expect_usage_error({"bench", "gen:soup:10", "--json"}, "--json");
+}
