@@ -3,8 +3,8 @@
 // primitive_bounds
 //   in    vertices [.. * 3], triangles [n * 3]
 //   out   boxes [n * 6]: NaNs where the primitive is inactive (a coordinate is NaN)
-//         partial [groups * 12]: scene lower, scene upper, centroid lower, centroid upper of the group's piece; centroids
-//         are doubled (lower + upper)
+//         partial [groups * 12]: scene lower, scene upper, centroid lower, centroid upper of the group's piece;
+//         centroids are doubled (lower + upper)
 //   launch groups of WORK_GROUP_SIZE, each on piece_length primitives; any number of groups
 //   local  16 * WORK_GROUP_SIZE * 4 bytes
 // reduce_bounds
@@ -98,6 +98,8 @@ KERNEL void primitive_bounds(global const float* vertices, global const uint* tr
 KERNEL void reduce_bounds(global const float* partial, uint partial_count, global float* bounds) {
     local SceneBounds scratch[WORK_GROUP_SIZE];
     SceneBounds mine = empty_bounds();
-    FOR_WORK_ITEMS(i, 0, partial_count) { mine = merge_bounds(mine, load_bounds(partial + BOUNDS_FLOATS * i)); }
+    FOR_WORK_ITEMS(i, 0, partial_count) {
+        mine = merge_bounds(mine, load_bounds(partial + BOUNDS_FLOATS * i));
+    }
     store_bounds(bounds, reduce_over_group(scratch, mine));
 }

@@ -1,5 +1,5 @@
-// Whether work groups of one item do what the lane shape needs: vectors of 16 stored to local memory and loaded back shifted,
-// private counters, several groups at once. (One driver was seen to get this wrong.)
+// Whether work groups of one item do what the lane shape needs: vectors of 16 stored to local memory and loaded back
+// shifted, private counters, several groups at once. (One driver was seen to get this wrong.)
 //
 //   out    result [groups * SELF_TEST_LENGTH]: see lane_self_test.cpp, which computes the same
 //   launch any number of groups of one item

@@ -7,10 +7,13 @@
 #include "aabb.clh"
 #include "node.clh"
 
-KERNEL void write_root(global const uint* root_reference, uint leaf_count, global const float* leaves, global Node* nodes) {
+KERNEL void write_root(global const uint* root_reference, uint leaf_count, global const float* leaves,
+                       global Node* nodes) {
     if (LOCAL_ID == 0) {
         const uint reference = *root_reference;
-        Node root = {{0.0f, 0.0f, 0.0f}, node_first(reference, leaf_count), {0.0f, 0.0f, 0.0f},
+        Node root = {{0.0f, 0.0f, 0.0f},
+                     node_first(reference, leaf_count),
+                     {0.0f, 0.0f, 0.0f},
                      node_count(reference, leaf_count)};
         for (uint axis = 0; axis < 3; ++axis) {
             if (root.count > 0) {

@@ -1,10 +1,11 @@
-// LBVH: the binary tree that sorted Morton codes imply, with boxes, in one bottom-up pass. Every border between neighbouring
-// positions is one inner node, numbered by the position behind it (node.clh).
+// LBVH: the binary tree that sorted Morton codes imply, with boxes, in one bottom-up pass. Every border between
+// neighbouring positions is one inner node, numbered by the position behind it (node.clh).
 //
 // climb          group shape: one work item a leaf; the second to reach a node goes on (Apetrei 2014)
-//   in     codes, leaves [leaf_count ..]   inout  reached [leaf_count], all ones at first   out  nodes, root_reference [1]
-//   launch ceil(leaf_count / WORK_GROUP_SIZE) groups
-// build_pieces   lane shape: one work item a contiguous piece of the leaves, with a stack instead of atomics; clusters that
+//   in     codes, leaves [leaf_count ..]   inout  reached [leaf_count], all ones at first   out  nodes, root_reference
+//   [1] launch ceil(leaf_count / WORK_GROUP_SIZE) groups
+// build_pieces   lane shape: one work item a contiguous piece of the leaves, with a stack instead of atomics; clusters
+// that
 //                its borders leave incomplete go to pending [groups * MAX_PENDING], pending_counts [groups]
 // join_pieces    lane shape: one work item finishes with the pending clusters of all pieces
 // The trees are the same.
@@ -15,8 +16,8 @@
 
 #if LANE_SHAPE
 
-// Between the pending clusters of a piece no border is deeper than both its neighbours (it would have been merged), so their
-// levels rise, then fall: at most two runs of 64 + 32 different levels.
+// Between the pending clusters of a piece no border is deeper than both its neighbours (it would have been merged), so
+// their levels rise, then fall: at most two runs of 64 + 32 different levels.
 #define MAX_PENDING 196
 
 typedef struct {
@@ -27,8 +28,8 @@ typedef struct {
 
 // Puts `cluster` on the stack of neighbouring clusters, then merges at the top while the border between the two is the
 // deepest around. `end` is the position behind the cluster. Returns the stack's new size.
-static inline uint push_cluster(PendingCluster* stack, uint size, PendingCluster cluster, uint end, global const ulong* codes,
-                                global float16* nodes, uint leaf_count) {
+static inline uint push_cluster(PendingCluster* stack, uint size, PendingCluster cluster, uint end,
+                                global const ulong* codes, global float16* nodes, uint leaf_count) {
     const int right_level = border_level(codes, end, leaf_count);
     while (size > 0) {
         const PendingCluster left = stack[size - 1];
@@ -64,7 +65,8 @@ KERNEL void build_pieces(global const ulong* codes, global const float* leaves, 
 }
 
 KERNEL void join_pieces(global const PendingCluster* pending, global const uint* pending_counts, uint piece_count,
-                        global const ulong* codes, uint leaf_count, global float16* nodes, global uint* root_reference) {
+                        global const ulong* codes, uint leaf_count, global float16* nodes,
+                        global uint* root_reference) {
     PendingCluster stack[MAX_PENDING];
     uint size = 0;
     PendingCluster next = pending[0];
@@ -87,8 +89,9 @@ KERNEL void join_pieces(global const PendingCluster* pending, global const uint*
 
 #define NOT_REACHED 0xffffffffu
 
-// What one work item tells another of a different group goes through atomics on every word: OpenCL 1.2 promises nothing of
-// plain stores and loads between groups within a launch. The fence orders them before the exchange that announces them.
+// What one work item tells another of a different group goes through atomics on every word: OpenCL 1.2 promises nothing
+// of plain stores and loads between groups within a launch. The fence orders them before the exchange that announces
+// them.
 static inline void publish_node(global uint* node, Box box, uint reference, uint leaf_count) {
     atomic_xchg(node + 0, as_uint(box.lower_x));
     atomic_xchg(node + 1, as_uint(box.lower_y));
@@ -100,10 +103,13 @@ static inline void publish_node(global uint* node, Box box, uint reference, uint
     node[7] = node_count(reference, leaf_count);
 }
 
-static inline float observe(global uint* word) { return as_float(atomic_or(word, 0u)); }
+static inline float observe(global uint* word) {
+    return as_float(atomic_or(word, 0u));
+}
 
 static inline Box observe_box(global uint* node) {
-    Box box = {observe(node + 0), observe(node + 1), observe(node + 2), observe(node + 4), observe(node + 5), observe(node + 6)};
+    Box box = {observe(node + 0), observe(node + 1), observe(node + 2),
+               observe(node + 4), observe(node + 5), observe(node + 6)};
     return box;
 }
 

@@ -14,22 +14,25 @@
 #define GATHER_AHEAD 16
 #endif
 
-KERNEL void gather_leaves(global const float* boxes, global const uint* primitive_ids, uint leaf_count, uint piece_length,
-                          global float* leaves) {
+KERNEL void gather_leaves(global const float* boxes, global const uint* primitive_ids, uint leaf_count,
+                          uint piece_length, global float* leaves) {
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)leaf_count);
     FOR_WORK_ITEMS(i, begin, end) {
         PREFETCH(boxes + BOX_FLOATS * (size_t)primitive_ids[min(i + GATHER_AHEAD, end - 1)]);
         store_box(leaves + BOX_FLOATS * i, load_box(boxes + BOX_FLOATS * (size_t)primitive_ids[i]));
     }
-    if (end == leaf_count && LOCAL_ID == 0) {
-        leaves[BOX_FLOATS * (size_t)leaf_count] = 0.0f;
-        leaves[BOX_FLOATS * (size_t)leaf_count + 1] = 0.0f;
+    if (end == leaf_count) {
+        FOR_WORK_ITEMS(k, 0, 2) {
+            leaves[BOX_FLOATS * (size_t)leaf_count + k] = 0.0f;
+        }
     }
 }
 
 KERNEL void number_leaves(uint leaf_count, uint piece_length, global uint* references) {
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)leaf_count);
-    FOR_WORK_ITEMS(i, begin, end) { references[i] = (uint)i; }
+    FOR_WORK_ITEMS(i, begin, end) {
+        references[i] = (uint)i;
+    }
 }

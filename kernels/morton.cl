@@ -1,14 +1,16 @@
 // 64-bit Morton codes of the primitives' centroids; 63 bits are used.
 //
 // morton_xyz       21 bits an axis, x above y above z (Lauterbach et al. 2009).
-// morton_extended  4D extended code (Vinkler, Bittner, Havran 2017): each bit halves the axis on which the current cell is
-//                  longest, and every SIZE_BIT_INTERVAL-th bit codes the length of the primitive's diagonal, so that large
-//                  primitives part from small ones early.
+// morton_extended  4D extended code (Vinkler, Bittner, Havran 2017): each bit halves the axis on which the current cell
+// is
+//                  longest, and every SIZE_BIT_INTERVAL-th bit codes the length of the primitive's diagonal, so that
+//                  large primitives part from small ones early.
 //   in     boxes [n * 6], bounds [12] as bounds.cl leaves them
 //   out    pairs [n]: (low half of the code, primitive); code_low, code_high [n]; inactive primitives get all ones
 //   launch groups of WORK_GROUP_SIZE, each on piece_length primitives
 // morton_tables    what morton_extended looks bits up in: one group, before it.
-//   out    tables [4 * 4 * 256] spread bits of (dimension, byte, value); parameters [12]: lower x y z, three scales, scale of
+//   out    tables [4 * 4 * 256] spread bits of (dimension, byte, value); parameters [12]: lower x y z, three scales,
+//   scale of
 //          the size, largest values x y z size (as uint)
 #include "work_group.clh"
 #include "lanes.clh"
@@ -48,8 +50,8 @@ static inline XyzGrid load_grid(global const float* bounds) {
     return grid;
 }
 
-static inline void code_one(XyzGrid grid, global const float* boxes, size_t i, global uint2* pairs, global uint* code_low,
-                            global uint* code_high) {
+static inline void code_one(XyzGrid grid, global const float* boxes, size_t i, global uint2* pairs,
+                            global uint* code_low, global uint* code_high) {
     const Box box = load_box(boxes + BOX_FLOATS * i);
     uint low = INACTIVE_KEY;
     uint high = INACTIVE_KEY;
@@ -70,8 +72,8 @@ static inline uint16 quantise16(float16 centroid, float lower, float scale, int1
     return min(as_uint16(convert_int16_rtz(steps)), AXIS_STEPS - 1);
 }
 
-static inline void code_16(XyzGrid grid, global const float* boxes, size_t i, global uint2* pairs, global uint* code_low,
-                           global uint* code_high) {
+static inline void code_16(XyzGrid grid, global const float* boxes, size_t i, global uint2* pairs,
+                           global uint* code_low, global uint* code_high) {
 #define BOX_RECORD(k) vload8(0, boxes + BOX_FLOATS * (i + (k)))
     COLUMNS_OF_16_RECORDS(word, BOX_RECORD)
     const int16 inactive = isnan(word0);
@@ -108,7 +110,9 @@ KERNEL void morton_xyz(global const float* boxes, global const float* bounds, ui
         code_one(grid, boxes, i, pairs, code_low, code_high);
     }
 #else
-    FOR_WORK_ITEMS(i, begin, end) { code_one(grid, boxes, i, pairs, code_low, code_high); }
+    FOR_WORK_ITEMS(i, begin, end) {
+        code_one(grid, boxes, i, pairs, code_low, code_high);
+    }
 #endif
 }
 
@@ -150,7 +154,9 @@ static inline ulong spread_byte(const uchar* dimension_of_bit, uint bit_count, u
     return spread;
 }
 
-static inline float diagonal(float x, float y, float z) { return sqrt((x * x + y * y) + z * z); }
+static inline float diagonal(float x, float y, float z) {
+    return sqrt((x * x + y * y) + z * z);
+}
 
 KERNEL void morton_tables(global const float* bounds, global ulong* tables, global float* parameters) {
     const Box scene = load_box(bounds);
@@ -196,9 +202,12 @@ KERNEL void morton_extended(global const float* boxes, global const ulong* table
         if (!is_inactive(box)) {
             const float size =
                 diagonal(box.upper_x - box.lower_x, box.upper_y - box.lower_y, box.upper_z - box.lower_z);
-            code = look_up(tables, 0, quantise(CENTROID_OF(box, x) - parameters[0], parameters[3], as_uint(parameters[7]))) |
-                   look_up(tables, 1, quantise(CENTROID_OF(box, y) - parameters[1], parameters[4], as_uint(parameters[8]))) |
-                   look_up(tables, 2, quantise(CENTROID_OF(box, z) - parameters[2], parameters[5], as_uint(parameters[9]))) |
+            code = look_up(tables, 0,
+                           quantise(CENTROID_OF(box, x) - parameters[0], parameters[3], as_uint(parameters[7]))) |
+                   look_up(tables, 1,
+                           quantise(CENTROID_OF(box, y) - parameters[1], parameters[4], as_uint(parameters[8]))) |
+                   look_up(tables, 2,
+                           quantise(CENTROID_OF(box, z) - parameters[2], parameters[5], as_uint(parameters[9]))) |
                    look_up(tables, SIZE_DIMENSION, quantise(size, parameters[6], as_uint(parameters[10])));
         }
         store_code(pairs, code_low, code_high, i, (uint)code, (uint)(code >> 32));

@@ -1,4 +1,5 @@
-// PLOC, the baseline: five kernels an iteration (Meister, Bittner 2018; as described in Benthin et al. 2022, section 3).
+// PLOC, the baseline: five kernels an iteration (Meister, Bittner 2018; as described in Benthin et al. 2022, section
+// 3).
 //
 // search       nearest neighbour of each cluster over [i - SEARCH_RADIUS, i + SEARCH_RADIUS], exact distances
 //   in  references [count], leaves, inner (cluster.clh)   out  neighbours [count]: positions
@@ -32,7 +33,9 @@ static inline void write_neighbours(Chunk chunk, uint length, uint chunk_begin, 
         }
         vstore16(here ^ best_key, 0, chunk.partner + t);
     }
-    FOR_WORK_ITEMS(k, 0, length) { neighbours[chunk_begin + k] = chunk.partner[BORDER + k]; }
+    FOR_WORK_ITEMS(k, 0, length) {
+        neighbours[chunk_begin + k] = chunk.partner[BORDER + k];
+    }
 #else
     // A distance is not negative, so its bits order as an integer; with the tie's key below them one minimum does both.
     const uint t = get_local_id(0);
@@ -61,8 +64,8 @@ KERNEL void search(global const uint* references, uint count, uint piece_length,
     }
 }
 
-static inline void merge_pair(uint left, uint right, global uint* references, global const float* leaves, global float* inner,
-                              global float16* nodes, uint leaf_count) {
+static inline void merge_pair(uint left, uint right, global uint* references, global const float* leaves,
+                              global float* inner, global float16* nodes, uint leaf_count) {
     const uint left_reference = references[left];
     const uint right_reference = references[right];
     global const float* left_record = record_of(left_reference, leaves, inner, leaf_count);
@@ -81,8 +84,8 @@ KERNEL void merge(global uint* references, uint count, uint piece_length, global
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)count);
 #if LANE_SHAPE
-    // Which clusters merge is hard to predict, so they are listed without a branch first, a chunk at a time; their records are
-    // fetched meanwhile.
+    // Which clusters merge is hard to predict, so they are listed without a branch first, a chunk at a time; their
+    // records are fetched meanwhile.
     local uint merging[CHUNK];
     for (size_t chunk_begin = begin; chunk_begin < end; chunk_begin += CHUNK) {
         const size_t chunk_end = min(chunk_begin + CHUNK, end);
@@ -118,7 +121,9 @@ KERNEL void count_valid(global const uchar* valid, uint count, uint piece_length
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)count);
     uint mine = 0;
-    FOR_WORK_ITEMS(i, begin, end) { mine += valid[i]; }
+    FOR_WORK_ITEMS(i, begin, end) {
+        mine += valid[i];
+    }
     uint total;
     group_exclusive_scan(scan, mine, &total);
     if (LOCAL_ID == 0) {

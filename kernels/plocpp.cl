@@ -54,14 +54,16 @@ KERNEL void compact(global const uint* marked, uint count, uint chunks_per_group
                     global uint* references, global uint* remaining) {
     local uint scan[WORK_GROUP_SIZE];
     uint before_me = 0;
-    FOR_WORK_ITEMS(g, 0, get_group_id(0)) { before_me += valid_counts[g]; }
+    FOR_WORK_ITEMS(g, 0, get_group_id(0)) {
+        before_me += valid_counts[g];
+    }
     uint kept;
     group_exclusive_scan(scan, before_me, &kept);
     const size_t begin = get_group_id(0) * (size_t)chunks_per_group * CHUNK;
     const size_t end = min(begin + (size_t)chunks_per_group * CHUNK, (size_t)count);
 #if LANE_SHAPE
-    // Written without a branch: what an invalid one leaves behind the last valid one, the next valid one covers; the last store
-    // of the piece must not reach into the next group's.
+    // Written without a branch: what an invalid one leaves behind the last valid one, the next valid one covers; the
+    // last store of the piece must not reach into the next group's.
     const uint limit = kept + valid_counts[get_group_id(0)];
     for (size_t i = begin; i < end && kept < limit; ++i) {
         const uint reference = marked[i];
@@ -85,13 +87,14 @@ KERNEL void compact(global const uint* marked, uint count, uint chunks_per_group
     }
 }
 
-KERNEL void finish(global uint* references, global uint* other, uint count, global const float* leaves, global float* inner,
-                   global float16* nodes, uint leaf_count, global uint* root_reference) {
+KERNEL void finish(global uint* references, global uint* other, uint count, global const float* leaves,
+                   global float* inner, global float16* nodes, uint leaf_count, global uint* root_reference) {
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
     DECLARE_MERGE(survivor, merging);
     local uint scan[WORK_GROUP_SIZE];
-    cluster_range(chunk, search, survivor, merging, scan, references, other, count, 1, leaves, inner, nodes, leaf_count);
+    cluster_range(chunk, search, survivor, merging, scan, references, other, count, 1, leaves, inner, nodes,
+                  leaf_count);
     if (LOCAL_ID == 0) {
         *root_reference = references[0];
     }

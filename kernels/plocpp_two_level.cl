@@ -2,8 +2,10 @@
 //
 // extract_ranges   in codes [leaf_count]  out range_begins [MAX_RANGES + 1], range_total [1]; one group
 //                  Every round splits the ranges longer than half the longest one, until there are range_count of them.
-// cluster_ranges   clusters each range down to SEARCH_RADIUS; one group a range, MAX_RANGES groups, the idle ones end at once
-//                  inout references, other [leaf_count]  out survivors [MAX_RANGES * SEARCH_RADIUS], survivor_counts [MAX_RANGES]
+// cluster_ranges   clusters each range down to SEARCH_RADIUS; one group a range, MAX_RANGES groups, the idle ones end
+// at once
+//                  inout references, other [leaf_count]  out survivors [MAX_RANGES * SEARCH_RADIUS], survivor_counts
+//                  [MAX_RANGES]
 // finish_ranges    joins the survivors in `references` and clusters them to the root; one group; root_reference [1]
 //
 // local  as plocpp.cl, and 2 * MAX_RANGES * 4 bytes
@@ -40,7 +42,8 @@ KERNEL void extract_ranges(global const ulong* codes, uint leaf_count, uint rang
     while (total < range_count && longest > SEARCH_RADIUS) {
         FOR_WORK_ITEMS(k, 0, total) {
             const uint length = begins[k + 1] - begins[k];
-            splits[k] = 2 * length > longest && length > SEARCH_RADIUS ? morton_split(codes, begins[k], begins[k + 1]) : 0;
+            splits[k] =
+                2 * length > longest && length > SEARCH_RADIUS ? morton_split(codes, begins[k], begins[k + 1]) : 0;
         }
         LOCAL_BARRIER();
         if (LOCAL_ID == 0) {
@@ -65,7 +68,9 @@ KERNEL void extract_ranges(global const ulong* codes, uint leaf_count, uint rang
         }
         LOCAL_BARRIER();
     }
-    FOR_WORK_ITEMS(k, 0, total + 1) { range_begins[k] = begins[k]; }
+    FOR_WORK_ITEMS(k, 0, total + 1) {
+        range_begins[k] = begins[k];
+    }
     if (LOCAL_ID == 0) {
         *range_total = total;
     }
@@ -81,9 +86,11 @@ KERNEL void cluster_ranges(global const uint* range_begins, global const uint* r
     const uint range = get_group_id(0);
     const uint begin = range < *range_total ? range_begins[range] : 0;
     const uint end = range < *range_total ? range_begins[range + 1] : 0;
-    const uint left = cluster_range(chunk, search, survivor, merging, scan, references + begin, other + begin, end - begin,
-                                    SEARCH_RADIUS, leaves, inner, nodes, leaf_count);
-    FOR_WORK_ITEMS(k, 0, left) { survivors[range * SEARCH_RADIUS + k] = references[begin + k]; }
+    const uint left = cluster_range(chunk, search, survivor, merging, scan, references + begin, other + begin,
+                                    end - begin, SEARCH_RADIUS, leaves, inner, nodes, leaf_count);
+    FOR_WORK_ITEMS(k, 0, left) {
+        survivors[range * SEARCH_RADIUS + k] = references[begin + k];
+    }
     if (LOCAL_ID == 0) {
         survivor_counts[range] = left;
     }
@@ -112,8 +119,8 @@ KERNEL void finish_ranges(global const uint* survivors, global const uint* survi
         }
     }
     GLOBAL_BARRIER();
-    cluster_range(chunk, search, survivor, merging, scan, references, other, offsets[MAX_RANGES], 1, leaves, inner, nodes,
-                  leaf_count);
+    cluster_range(chunk, search, survivor, merging, scan, references, other, offsets[MAX_RANGES], 1, leaves, inner,
+                  nodes, leaf_count);
     if (LOCAL_ID == 0) {
         *root_reference = references[0];
     }

@@ -1,6 +1,7 @@
-// One pass of a stable LSD radix sort of (32-bit key, 32-bit value) pairs by one 8-bit digit. Eight passes sort 64-bit codes:
-// two blocks of four passes over one half of the code each, so that a sorted element stays 8 bytes (PLOC++ section 5).
-// Replacing the low half of the code by the high half between the blocks costs no pass: the fourth scatter does it.
+// One pass of a stable LSD radix sort of (32-bit key, 32-bit value) pairs by one 8-bit digit. Eight passes sort 64-bit
+// codes: two blocks of four passes over one half of the code each, so that a sorted element stays 8 bytes (PLOC++
+// section 5). Replacing the low half of the code by the high half between the blocks costs no pass: the fourth scatter
+// does it.
 //
 // The keys are cut into pieces of piece_length, one work group each; counts are kept digit-major, [RADIX * pieces].
 // count_digits    in pairs  out counts
@@ -17,7 +18,8 @@
 #define RADIX (1 << RADIX_BITS)
 #define DIGIT(key, shift) ((key) >> (shift) & (RADIX - 1))
 
-KERNEL void count_digits(global const uint2* pairs, uint pair_count, uint piece_length, uint shift, global uint* counts) {
+KERNEL void count_digits(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
+                         global uint* counts) {
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)pair_count);
 #if LANE_SHAPE
@@ -30,12 +32,18 @@ KERNEL void count_digits(global const uint2* pairs, uint pair_count, uint piece_
     }
 #else
     local uint digit_count[RADIX];
-    FOR_WORK_ITEMS(digit, 0, RADIX) { digit_count[digit] = 0; }
+    FOR_WORK_ITEMS(digit, 0, RADIX) {
+        digit_count[digit] = 0;
+    }
     LOCAL_BARRIER();
-    FOR_WORK_ITEMS(i, begin, end) { atomic_inc(digit_count + DIGIT(pairs[i].x, shift)); }
+    FOR_WORK_ITEMS(i, begin, end) {
+        atomic_inc(digit_count + DIGIT(pairs[i].x, shift));
+    }
     LOCAL_BARRIER();
 #endif
-    FOR_WORK_ITEMS(digit, 0, RADIX) { counts[digit * get_num_groups(0) + get_group_id(0)] = digit_count[digit]; }
+    FOR_WORK_ITEMS(digit, 0, RADIX) {
+        counts[digit * get_num_groups(0) + get_group_id(0)] = digit_count[digit];
+    }
 }
 
 #if LANE_SHAPE
@@ -60,12 +68,12 @@ static inline void find_positions(global const uint* counts, uint* position) {
     }
 }
 
-#define LOAD_POSITIONS(position)     \
-    uint position[RADIX];            \
+#define LOAD_POSITIONS(position) \
+    uint position[RADIX];        \
     find_positions(counts, position);
 
-KERNEL void scatter(global const uint2* pairs, uint pair_count, uint piece_length, uint shift, global const uint* counts,
-                    global uint2* pairs_out) {
+KERNEL void scatter(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
+                    global const uint* counts, global uint2* pairs_out) {
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)pair_count);
     LOAD_POSITIONS(position)
@@ -123,8 +131,9 @@ KERNEL void scan_counts(global uint* counts, uint count) {
     }
 }
 
-// A tile of TILE pairs at a time is sorted by its digit in local memory, four bits after four, so that equal digits leave in
-// runs; then every run is written to where the group's next pair of that digit belongs (Satish, Harris, Garland 2009).
+// A tile of TILE pairs at a time is sorted by its digit in local memory, four bits after four, so that equal digits
+// leave in runs; then every run is written to where the group's next pair of that digit belongs (Satish, Harris,
+// Garland 2009).
 #ifndef ITEMS_PER_WORK_ITEM
 #define ITEMS_PER_WORK_ITEM 4
 #endif
@@ -163,22 +172,28 @@ static inline void sort_tile(local uint2* tile, local ushort* counters, local ui
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-#define SCATTER_LOCALS                                              \
-    local uint2 tile[TILE];                                         \
-    local ushort counters[LOCAL_DIGITS * WORK_GROUP_SIZE];          \
-    local uint scratch[WORK_GROUP_SIZE];                            \
-    local uint next[RADIX];                                         \
-    local uint run_begin[RADIX];                                    \
-    local uint run_end[RADIX];                                      \
-    const size_t begin = get_group_id(0) * (size_t)piece_length;    \
-    const size_t end = min(begin + piece_length, (size_t)pair_count); \
-    FOR_WORK_ITEMS(digit, 0, RADIX) { next[digit] = counts[digit * get_num_groups(0) + get_group_id(0)]; }
+#define SCATTER_LOCALS                                                     \
+    local uint2 tile[TILE];                                                \
+    local ushort counters[LOCAL_DIGITS * WORK_GROUP_SIZE];                 \
+    local uint scratch[WORK_GROUP_SIZE];                                   \
+    local uint next[RADIX];                                                \
+    local uint run_begin[RADIX];                                           \
+    local uint run_end[RADIX];                                             \
+    const size_t begin = get_group_id(0) * (size_t)piece_length;           \
+    const size_t end = min(begin + piece_length, (size_t)pair_count);      \
+    FOR_WORK_ITEMS(digit, 0, RADIX) {                                      \
+        next[digit] = counts[digit * get_num_groups(0) + get_group_id(0)]; \
+    }
 
 // Loads and sorts the tile at `at`, and finds the run of each digit.
 static inline void load_tile(global const uint2* pairs, size_t at, size_t end, uint shift, local uint2* tile,
                              local ushort* counters, local uint* scratch, local uint* run_begin, local uint* run_end) {
-    FOR_WORK_ITEMS(k, 0, TILE) { tile[k] = at + k < end ? pairs[at + k] : (uint2)(0xffffffffu, 0xffffffffu); }
-    FOR_WORK_ITEMS(digit, 0, RADIX) { run_begin[digit] = run_end[digit] = 0; }
+    FOR_WORK_ITEMS(k, 0, TILE) {
+        tile[k] = at + k < end ? pairs[at + k] : (uint2)(0xffffffffu, 0xffffffffu);
+    }
+    FOR_WORK_ITEMS(digit, 0, RADIX) {
+        run_begin[digit] = run_end[digit] = 0;
+    }
     barrier(CLK_LOCAL_MEM_FENCE);
     sort_tile(tile, counters, scratch, shift);
     sort_tile(tile, counters, scratch, shift + 4);
@@ -195,22 +210,24 @@ static inline void load_tile(global const uint2* pairs, size_t at, size_t end, u
 }
 
 // for every pair of the piece: `at` is where it belongs. Padding pairs end the tile that holds the piece's end.
-#define FOR_SCATTERED_PAIRS(store)                                                                          \
-    for (size_t tile_begin = begin; tile_begin < end; tile_begin += TILE) {                                 \
-        load_tile(pairs, tile_begin, end, shift, tile, counters, scratch, run_begin, run_end);              \
-        FOR_WORK_ITEMS(k, 0, min((size_t)TILE, end - tile_begin)) {                                         \
-            const uint2 pair = tile[k];                                                                     \
-            const uint digit = DIGIT(pair.x, shift);                                                        \
-            const uint at = next[digit] + (uint)k - run_begin[digit];                                       \
-            store                                                                                           \
-        }                                                                                                   \
-        barrier(CLK_LOCAL_MEM_FENCE);                                                                       \
-        FOR_WORK_ITEMS(digit, 0, RADIX) { next[digit] += run_end[digit] - run_begin[digit]; }               \
-        barrier(CLK_LOCAL_MEM_FENCE);                                                                       \
+#define FOR_SCATTERED_PAIRS(store)                                                             \
+    for (size_t tile_begin = begin; tile_begin < end; tile_begin += TILE) {                    \
+        load_tile(pairs, tile_begin, end, shift, tile, counters, scratch, run_begin, run_end); \
+        FOR_WORK_ITEMS(k, 0, min((size_t)TILE, end - tile_begin)) {                            \
+            const uint2 pair = tile[k];                                                        \
+            const uint digit = DIGIT(pair.x, shift);                                           \
+            const uint at = next[digit] + (uint)k - run_begin[digit];                          \
+            store                                                                              \
+        }                                                                                      \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                          \
+        FOR_WORK_ITEMS(digit, 0, RADIX) {                                                      \
+            next[digit] += run_end[digit] - run_begin[digit];                                  \
+        }                                                                                      \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                          \
     }
 
-KERNEL void scatter(global const uint2* pairs, uint pair_count, uint piece_length, uint shift, global const uint* counts,
-                    global uint2* pairs_out) {
+KERNEL void scatter(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
+                    global const uint* counts, global uint2* pairs_out) {
     SCATTER_LOCALS
     FOR_SCATTERED_PAIRS(pairs_out[at] = pair;)
 }
