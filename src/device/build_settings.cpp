@@ -9,7 +9,9 @@
 namespace clbvh::device {
 namespace {
 
-constexpr std::size_t kLargestGroup = 1024;
+constexpr std::size_t kGpuGroup = 1024;
+// A CPU runs the items of a group one after the other: a large group only makes the last few clusters of a range dear.
+constexpr std::size_t kCpuGroup = 256;
 constexpr std::size_t kStreamGroup = 256;
 constexpr std::uint32_t kLaneChunk = 256;
 // Groups a compute unit: on a CPU enough to even out their lengths, on a GPU enough to hide each other's latency.
@@ -31,7 +33,7 @@ std::size_t lane_local_bytes(std::size_t chunk, std::size_t radius) {
 }
 
 std::size_t group_size_that_fits(const DeviceInfo& info, bool exact) {
-    std::size_t size = std::min(kLargestGroup, std::bit_floor(info.max_work_group_size));
+    std::size_t size = std::min(kGpuGroup, std::bit_floor(info.max_work_group_size));
     while (size > 32 && group_local_bytes(size, exact) > info.local_memory_bytes) {
         size /= 2;
     }
@@ -51,7 +53,8 @@ void resolve_sort(BuildSettings& settings, const DeviceInfo& info) {
 
 void resolve_group_sizes(BuildSettings& settings, const BuildOptions& options, const DeviceInfo& info) {
     const std::size_t largest = group_size_that_fits(info, settings.exact_distances);
-    settings.cluster_group_size = options.work_group_size != 0 ? options.work_group_size : largest;
+    const std::size_t chosen = info.type == DeviceType::cpu ? std::min(kCpuGroup, largest) : largest;
+    settings.cluster_group_size = options.work_group_size != 0 ? options.work_group_size : chosen;
     settings.stream_group_size = stream_group_size(info);
     if (settings.cluster_group_size > largest) {
         throw Error(ErrorCode::unsupported, "work_group_size " + std::to_string(settings.cluster_group_size) +

@@ -20,16 +20,22 @@ namespace clbvh::io {
 #ifdef CLBVH_HAS_ASSIMP
 namespace {
 
+[[noreturn]] void fail_face(const std::filesystem::path& path, const aiMesh& part, unsigned face,
+                            const std::string& what) {
+    throw Error(ErrorCode::io,
+                path.string() + ": mesh \"" + part.mName.C_Str() + "\", face " + std::to_string(face) + ": " + what);
+}
+
 /// assimp's post-processing follows indices blindly and aborts the process at an empty face, so both are refused first.
 void check_faces(const aiMesh& part, const std::filesystem::path& path) {
     for (unsigned i = 0; i < part.mNumFaces; ++i) {
         const std::span corners(part.mFaces[i].mIndices, part.mFaces[i].mNumIndices);
-        const std::string where = path.string() + ": mesh \"" + part.mName.C_Str() + "\", face " + std::to_string(i);
-        if (corners.empty()) throw Error(ErrorCode::io, where + " has no vertices");
+        if (corners.empty()) fail_face(path, part, i, "no vertices");
         for (const unsigned corner : corners) {
             if (corner < part.mNumVertices) continue;
-            throw Error(ErrorCode::io, where + ": vertex " + std::to_string(corner) + " does not exist; the mesh has " +
-                                           std::to_string(part.mNumVertices));
+            fail_face(path, part, i,
+                      "vertex " + std::to_string(corner) + " does not exist; the mesh has " +
+                          std::to_string(part.mNumVertices));
         }
     }
 }
