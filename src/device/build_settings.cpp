@@ -13,7 +13,7 @@ constexpr std::size_t kGpuGroup = 1024;
 // A CPU runs the items of a group one after the other: a large group only makes the last few clusters of a range dear.
 constexpr std::size_t kCpuGroup = 256;
 constexpr std::size_t kStreamGroup = 256;
-constexpr std::uint32_t kLaneChunk = 256;
+constexpr std::uint32_t kLaneChunk = 512;
 // Groups a compute unit: on a CPU enough to even out their lengths, on a GPU enough to hide each other's latency.
 constexpr std::uint32_t kCpuGroupsPerUnit = 8;
 constexpr std::uint32_t kGpuGroupsPerUnit = 4;

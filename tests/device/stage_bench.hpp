@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "clbvh/core/mesh.hpp"
+#include "device/device_algorithm.hpp"
+
+namespace clbvh::test {
+
+inline constexpr std::array kBothShapes{Shape::group, Shape::lane};
+
+/// What one stage needs to run by itself: settings, memory for some primitives, and a launcher in a stage "test".
+/// Runs on the context that all tests share.
+struct StageBench {
+    /// `algorithm` is the one whose memory is reserved beside what every build uses.
+    StageBench(const BuildOptions& options, std::size_t primitives, const device::DeviceAlgorithm* algorithm = nullptr);
+
+    device::Session& session;
+    device::BuildSettings settings;
+    device::BuildBuffers buffers;
+    ProgressCallback progress;
+    device::Launcher launcher;
+};
+
+[[nodiscard]] device::DeviceMesh upload_mesh(const Mesh& mesh);
+
+void write_bytes(const cl::Buffer& buffer, const void* data, std::size_t bytes);
+void read_bytes(const cl::Buffer& buffer, void* data, std::size_t bytes);
+
+/// Fills all of `buffer` with this byte.
+void fill_bytes(const cl::Buffer& buffer, std::uint8_t value);
+
+template <typename T>
+void write(const cl::Buffer& buffer, const std::vector<T>& values) {
+    write_bytes(buffer, values.data(), values.size() * sizeof(T));
+}
+
+/// The first `count` values of `buffer`, when all that was launched is done.
+template <typename T>
+[[nodiscard]] std::vector<T> read(const cl::Buffer& buffer, std::size_t count) {
+    std::vector<T> values(count);
+    read_bytes(buffer, values.data(), count * sizeof(T));
+    return values;
+}
+
+[[nodiscard]] bool is_same_bits(const Aabb& a, const Aabb& b);
+
+}  // namespace clbvh::test
