@@ -79,6 +79,12 @@ void upload_codes(const device::BuildBuffers& buffers, const Codes& codes) {
     write(buffers.code_high, high);
 }
 
+BuildOptions sort_options(Shape shape) {
+    BuildOptions options = options_of(shape);
+    options.sort_shape = shape;
+    return options;
+}
+
 /// Sorts on `bench`, which may have room for more, and compares.
 void expect_stable_order(StageBench& bench, const Codes& codes) {
     std::vector<std::uint32_t> order(codes.size());
@@ -98,7 +104,7 @@ void expect_stable_order(StageBench& bench, const Codes& codes) {
 
 void expect_stable_order(const std::vector<KeyPattern>& patterns, const std::vector<std::uint32_t>& sizes) {
     for (const Shape shape : kBothShapes) {
-        StageBench bench(options_of(shape), std::ranges::max(sizes));
+        StageBench bench(sort_options(shape), std::ranges::max(sizes));
         for (const std::uint32_t size : sizes) {
             for (const KeyPattern& pattern : patterns) {
                 INFO(to_string(shape) << ", " << size << " pairs: " << pattern.name);
@@ -132,7 +138,7 @@ TEST_CASE("sort: sizes around the number of pieces times a tile") {
 
 TEST_CASE("sort: nothing to sort leaves the results alone") {
     for (const Shape shape : kBothShapes) {
-        StageBench bench(options_of(shape), 100);
+        StageBench bench(sort_options(shape), 100);
         fill_bytes(bench.buffers.primitive_ids, 0x5a);
         expect_stable_order(bench, {});
         CHECK(read<std::uint32_t>(bench.buffers.primitive_ids, 100) == std::vector<std::uint32_t>(100, 0x5a5a5a5a));

@@ -25,7 +25,7 @@ StageBench::StageBench(const BuildOptions& options, std::size_t primitives, cons
       progress(options.progress),
       launcher(session, progress) {
     const auto count = static_cast<std::uint32_t>(primitives);
-    buffers.reserve(session, count, algorithm != nullptr ? algorithm->extra_bytes(settings, count) : 0);
+    buffers.reserve(session, settings, count, algorithm != nullptr ? algorithm->extra_bytes(settings, count) : 0);
     launcher.begin_stage("test", 0.0);
 }
 

@@ -1,0 +1,81 @@
+#ifndef CLBVH_CLBVH_H
+#define CLBVH_CLBVH_H
+
+/* The C interface of libclbvh: build a tree over a triangle mesh, read it, know why not. */
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What went wrong; the values of clbvh::ErrorCode. */
+typedef enum clbvh_error {
+    CLBVH_OK = 0,
+    CLBVH_INVALID_INPUT = 1,  /**< The caller's data or options are out of their documented range. */
+    CLBVH_UNSUPPORTED = 2,    /**< Valid, but this device or build of the library cannot do it. */
+    CLBVH_NO_DEVICE = 3,      /**< No OpenCL device, or none that fits. */
+    CLBVH_DEVICE_FAILURE = 4, /**< An OpenCL call failed for a reason other than memory. */
+    CLBVH_OUT_OF_MEMORY = 5,  /**< Host or device memory is exhausted. */
+    CLBVH_IO = 6,             /**< A file could not be read, parsed or written. */
+    CLBVH_CANCELLED = 7       /**< The progress callback asked to stop. */
+} clbvh_error;
+
+/** One node, 32 bytes; see clbvh::Node. count == 0: inner, children first and first + 1; else a leaf over
+    primitive ids [first, first + count). */
+typedef struct clbvh_node {
+    float lower[3];
+    uint32_t first;
+    float upper[3];
+    uint32_t count;
+} clbvh_node;
+
+/** Called between launches with the stage's name and the estimated part done, 0 to 1. Returning 0 cancels. */
+typedef int (*clbvh_progress)(void* user, const char* stage, double fraction);
+
+/** Options of a builder; fill with clbvh_default_options first. Later versions may append fields: `size` says which the
+    caller knows, the others keep their defaults. */
+typedef struct clbvh_options {
+    uint32_t size;                   /**< sizeof(clbvh_options) of the caller. */
+    uint32_t search_radius;          /**< 1 to 32. */
+    uint32_t shape;                  /**< 0 automatic, 1 group, 2 lane. */
+    uint32_t extended_morton_code;   /**< 0 3D codes, 1 4D extended codes. */
+    uint32_t exact_distances;        /**< 0 the 32-bit encoding of PLOC++, 1 exact. */
+    uint32_t single_group_threshold; /**< plocpp: clusters below which one work group finishes, 2 to 2^20. */
+    clbvh_progress progress;         /**< May be null. */
+    void* progress_user;             /**< Handed to `progress`. */
+} clbvh_options;
+
+/** A builder on a device, with its programs, its memory and the last finished tree. One thread at a time. */
+typedef struct clbvh_builder clbvh_builder;
+
+/** Fills `options` with the defaults, `size` included. */
+void clbvh_default_options(clbvh_options* options);
+
+/** Creates builder `id` ("plocpp", ...) on the device that `device` picks (null or "": the default, see
+    clbvh::pick_device). `options` may be null. `*builder` is null after a failure. */
+clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh_options* options,
+                                 clbvh_builder** builder);
+
+/** Destroys the builder and its tree; null is allowed. */
+void clbvh_destroy_builder(clbvh_builder* builder);
+
+/** Builds over `triangle_count` triangles, three indices each, of `vertex_count` vertices, three floats each. After a
+    failure the builder holds no tree and can be used again. */
+clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
+                        uint64_t triangle_count);
+
+/** The tree of the last clbvh_build, valid until the next; `*count` becomes its length. Null and 0 where there is none.
+ */
+const clbvh_node* clbvh_nodes(const clbvh_builder* builder, uint64_t* count);
+/** The primitive ids that leaves refer to; as clbvh_nodes. */
+const uint32_t* clbvh_primitive_ids(const clbvh_builder* builder, uint64_t* count);
+
+/** What the last failed call of this thread says; never null. */
+const char* clbvh_last_error(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

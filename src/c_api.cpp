@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <string>
+
+#include "clbvh/clbvh.h"
+#include "clbvh/clbvh.hpp"
+
+static_assert(sizeof(clbvh_node) == sizeof(clbvh::Node));
+
+struct clbvh_builder {
+    clbvh::Builder builder;
+    clbvh::Bvh bvh;
+};
+
+namespace {
+
+thread_local std::string last_error;
+
+// Runs `body`; what it throws becomes a code, and its message clbvh_last_error.
+template <class Body>
+clbvh_error guarded(Body&& body) noexcept {
+    try {
+        body();
+        return CLBVH_OK;
+    } catch (const clbvh::Error& error) {
+        last_error = error.what();
+        return static_cast<clbvh_error>(error.code());
+    } catch (const std::bad_alloc&) {
+        last_error = "the host has no memory left";
+        return CLBVH_OUT_OF_MEMORY;
+    } catch (const std::exception& error) {
+        last_error = error.what();
+        return CLBVH_DEVICE_FAILURE;
+    }
+}
+
+void require(bool condition, const char* message) {
+    if (!condition) {
+        throw clbvh::Error(clbvh::ErrorCode::invalid_input, message);
+    }
+}
+
+clbvh_options default_options() {
+    const clbvh::BuildOptions defaults;
+    return {sizeof(clbvh_options), defaults.search_radius, 0, 0, 0, defaults.single_group_threshold, nullptr, nullptr};
+}
+
+clbvh::BuildOptions to_build_options(const clbvh_options* given) {
+    clbvh_options options = default_options();
+    if (given != nullptr) {
+        require(given->size >= sizeof(given->size), "clbvh_options.size is not set; use clbvh_default_options");
+        std::memcpy(&options, given, std::min<std::size_t>(given->size, sizeof(options)));
+    }
+    require(options.shape <= 2, "clbvh_options.shape is not 0, 1 or 2");
+    require(options.extended_morton_code <= 1, "clbvh_options.extended_morton_code is not 0 or 1");
+    require(options.exact_distances <= 1, "clbvh_options.exact_distances is not 0 or 1");
+    clbvh::BuildOptions result;
+    result.search_radius = options.search_radius;
+    result.shape = static_cast<clbvh::Shape>(options.shape);
+    result.morton_code = static_cast<clbvh::MortonCode>(options.extended_morton_code);
+    if (options.exact_distances != 0) {
+        result.neighbour_encoding = clbvh::NeighbourEncoding::bits64;
+    }
+    result.single_group_threshold = options.single_group_threshold;
+    if (options.progress != nullptr) {
+        result.progress = [options](const clbvh::Progress& progress) {
+            return options.progress(options.progress_user, std::string(progress.stage).c_str(), progress.fraction) != 0;
+        };
+    }
+    return result;
+}
+
+clbvh::Mesh copy_mesh(const float* vertices, std::uint64_t vertex_count, const std::uint32_t* triangles,
+                      std::uint64_t triangle_count) {
+    require(vertices != nullptr || vertex_count == 0, "vertices is null");
+    require(triangles != nullptr || triangle_count == 0, "triangles is null");
+    static_assert(sizeof(clbvh::Vec3) == 3 * sizeof(float) && sizeof(clbvh::Triangle) == 3 * sizeof(std::uint32_t));
+    clbvh::Mesh mesh;
+    if (vertex_count > 0) {
+        mesh.vertices.resize(vertex_count);
+        std::memcpy(static_cast<void*>(mesh.vertices.data()), vertices, vertex_count * sizeof(clbvh::Vec3));
+    }
+    if (triangle_count > 0) {
+        mesh.triangles.resize(triangle_count);
+        std::memcpy(mesh.triangles.data(), triangles, triangle_count * sizeof(clbvh::Triangle));
+    }
+    return mesh;
+}
+
+}  // namespace
+
+void clbvh_default_options(clbvh_options* options) {
+    if (options != nullptr) {
+        *options = default_options();
+    }
+}
+
+clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh_options* options,
+                                 clbvh_builder** builder) {
+    return guarded([&] {
+        require(builder != nullptr, "builder is null");
+        *builder = nullptr;
+        require(id != nullptr, "id is null");
+        const clbvh::BuildOptions build_options = to_build_options(options);
+        static_cast<void>(clbvh::find_builder(id));
+        clbvh::check_options(build_options);
+        clbvh::Context context = clbvh::Context::open(device != nullptr ? device : "");
+        *builder = new clbvh_builder{clbvh::Builder(id, std::move(context), build_options), {}};
+    });
+}
+
+void clbvh_destroy_builder(clbvh_builder* builder) {
+    delete builder;
+}
+
+clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
+                        uint64_t triangle_count) {
+    return guarded([&] {
+        require(builder != nullptr, "builder is null");
+        builder->bvh = {};
+        builder->bvh = builder->builder.build(copy_mesh(vertices, vertex_count, triangles, triangle_count));
+    });
+}
+
+const clbvh_node* clbvh_nodes(const clbvh_builder* builder, uint64_t* count) {
+    const bool empty = builder == nullptr || builder->bvh.nodes.empty();
+    if (count != nullptr) {
+        *count = empty ? 0 : builder->bvh.nodes.size();
+    }
+    return empty ? nullptr : reinterpret_cast<const clbvh_node*>(builder->bvh.nodes.data());
+}
+
+const uint32_t* clbvh_primitive_ids(const clbvh_builder* builder, uint64_t* count) {
+    const bool empty = builder == nullptr || builder->bvh.primitive_ids.empty();
+    if (count != nullptr) {
+        *count = empty ? 0 : builder->bvh.primitive_ids.size();
+    }
+    return empty ? nullptr : builder->bvh.primitive_ids.data();
+}
+
+const char* clbvh_last_error(void) {
+    return last_error.c_str();
+}

@@ -1,0 +1,113 @@
+// The C interface: the same tree as the C++ one, every documented failure as a code and a message, and a compile as C.
+
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "clbvh/clbvh.h"
+#include "clbvh/clbvh.hpp"
+#include "clbvh/io/scene.hpp"
+
+extern "C" int clbvh_c_consumer(void);
+
+namespace {
+
+using clbvh::Mesh;
+
+struct CBuilder {
+    clbvh_builder* handle = nullptr;
+    CBuilder() = default;
+    CBuilder(const CBuilder&) = delete;
+    CBuilder& operator=(const CBuilder&) = delete;
+    ~CBuilder() { clbvh_destroy_builder(handle); }
+};
+
+clbvh_error build(clbvh_builder* builder, const Mesh& mesh) {
+    return clbvh_build(builder, &mesh.vertices.data()->x, mesh.vertices.size(), mesh.triangles.data()->data(),
+                       mesh.triangles.size());
+}
+
+int stop_at_once(void* user, const char* stage, double fraction) {
+    *static_cast<std::string*>(user) = stage;
+    return fraction < 0.0 ? 1 : 0;
+}
+
+}  // namespace
+
+TEST_CASE("the C interface gives the C++ interface's tree") {
+    const Mesh mesh = clbvh::generate_scene("clustered", 3000);
+    CBuilder c;
+    REQUIRE(clbvh_create_builder("plocpp", nullptr, nullptr, &c.handle) == CLBVH_OK);
+    REQUIRE(build(c.handle, mesh) == CLBVH_OK);
+    const clbvh::Bvh expected = clbvh::build(mesh, "plocpp");
+    std::uint64_t node_count = 0;
+    std::uint64_t id_count = 0;
+    const clbvh_node* nodes = clbvh_nodes(c.handle, &node_count);
+    const std::uint32_t* ids = clbvh_primitive_ids(c.handle, &id_count);
+    REQUIRE(node_count == expected.nodes.size());
+    REQUIRE(id_count == expected.primitive_ids.size());
+    CHECK(std::memcmp(nodes, expected.nodes.data(), node_count * sizeof(clbvh_node)) == 0);
+    CHECK(std::memcmp(ids, expected.primitive_ids.data(), id_count * sizeof(std::uint32_t)) == 0);
+}
+
+TEST_CASE("the C interface works from a C program") {
+    CHECK(clbvh_c_consumer() == 0);
+}
+
+TEST_CASE("the C interface reports failures as codes and messages") {
+    CBuilder c;
+    CHECK(clbvh_create_builder("nonsense", nullptr, nullptr, &c.handle) == CLBVH_INVALID_INPUT);
+    CHECK(std::string(clbvh_last_error()).find("plocpp") != std::string::npos);
+    CHECK(c.handle == nullptr);
+    CHECK(clbvh_create_builder(nullptr, nullptr, nullptr, &c.handle) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_create_builder("plocpp", nullptr, nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_create_builder("plocpp", "no such device", nullptr, &c.handle) == CLBVH_NO_DEVICE);
+    clbvh_options options;
+    clbvh_default_options(&options);
+    options.search_radius = 33;
+    CHECK(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
+    CHECK(std::string(clbvh_last_error()).find("search_radius") != std::string::npos);
+    options.size = 0;
+    CHECK(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_build(nullptr, nullptr, 0, nullptr, 0) == CLBVH_INVALID_INPUT);
+    std::uint64_t count = 1;
+    CHECK(clbvh_nodes(nullptr, &count) == nullptr);
+    CHECK(count == 0);
+}
+
+TEST_CASE("a failed build through the C interface leaves no tree and a builder that works") {
+    CBuilder c;
+    REQUIRE(clbvh_create_builder("lbvh", "", nullptr, &c.handle) == CLBVH_OK);
+    Mesh mesh = clbvh::generate_scene("soup", 100);
+    REQUIRE(build(c.handle, mesh) == CLBVH_OK);
+    const std::uint32_t good = mesh.triangles[7][1];
+    mesh.triangles[7][1] = 1000000;
+    CHECK(build(c.handle, mesh) == CLBVH_INVALID_INPUT);
+    CHECK(std::string(clbvh_last_error()).find("triangle 7") != std::string::npos);
+    CHECK(clbvh_nodes(c.handle, nullptr) == nullptr);
+    CHECK(clbvh_build(c.handle, nullptr, 3, nullptr, 0) == CLBVH_INVALID_INPUT);
+    mesh.triangles[7][1] = good;
+    CHECK(build(c.handle, mesh) == CLBVH_OK);
+}
+
+TEST_CASE("an older caller's shorter options keep the defaults of what it does not know") {
+    clbvh_options options;
+    clbvh_default_options(&options);
+    options.size = offsetof(clbvh_options, shape);
+    options.shape = 77;  // beyond what the caller says it knows
+    CBuilder c;
+    CHECK(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_OK);
+}
+
+TEST_CASE("progress through the C interface names the stage and cancels") {
+    std::string stage;
+    clbvh_options options;
+    clbvh_default_options(&options);
+    options.progress = stop_at_once;
+    options.progress_user = &stage;
+    CBuilder c;
+    REQUIRE(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_OK);
+    CHECK(build(c.handle, clbvh::generate_scene("soup", 100)) == CLBVH_CANCELLED);
+    CHECK(stage == "bounds");
+}
