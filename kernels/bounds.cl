@@ -48,24 +48,33 @@ static inline SceneBounds reduce_over_group(local SceneBounds* scratch, SceneBou
     return mine;
 }
 
+static inline float4 load_corner(global const float* p) {
+    return (float4)(p[0], p[1], p[2], 0.0f);
+}
+
+static inline void store_corner(global float* p, float4 corner) {
+    p[0] = corner.x;
+    p[1] = corner.y;
+    p[2] = corner.z;
+}
+
 static inline SceneBounds load_bounds(global const float* p) {
-    SceneBounds bounds = {(float4)(vload3(0, p), 0.0f), (float4)(vload3(1, p), 0.0f), (float4)(vload3(2, p), 0.0f),
-                          (float4)(vload3(3, p), 0.0f)};
+    SceneBounds bounds = {load_corner(p), load_corner(p + 3), load_corner(p + 6), load_corner(p + 9)};
     return bounds;
 }
 
 static inline void store_bounds(global float* p, SceneBounds bounds) {
     if (LOCAL_ID == 0) {
-        vstore3(bounds.scene_lower.xyz, 0, p);
-        vstore3(bounds.scene_upper.xyz, 1, p);
-        vstore3(bounds.centroid_lower.xyz, 2, p);
-        vstore3(bounds.centroid_upper.xyz, 3, p);
+        store_corner(p, bounds.scene_lower);
+        store_corner(p + 3, bounds.scene_upper);
+        store_corner(p + 6, bounds.centroid_lower);
+        store_corner(p + 9, bounds.centroid_upper);
     }
 }
 
 // Adding zero turns -0 into +0, so that equal boxes are equal bits.
 static inline float4 load_vertex(global const float* vertices, uint index) {
-    return (float4)(vload3(index, vertices), 0.0f) + 0.0f;
+    return load_corner(vertices + 3 * (size_t)index) + 0.0f;
 }
 
 KERNEL void primitive_bounds(global const float* vertices, global const uint* triangles, uint primitive_count,
@@ -80,17 +89,16 @@ KERNEL void primitive_bounds(global const float* vertices, global const uint* tr
         const float4 c = load_vertex(vertices, triangles[3 * i + 2]);
         float4 lower = MIN_OF(MIN_OF(a, b), c);
         float4 upper = MAX_OF(MAX_OF(a, b), c);
-        // Coordinates are finite or NaN, and far from overflow, so the sum is NaN where one of them is.
-        const float4 sum = (a + b) + c;
-        if (isnan((sum.x + sum.y) + sum.z)) {
+        // Coordinates are finite or NaN, and far from overflow, so their sum is NaN where one of them is.
+        if (any(isnan((a + b) + c))) {
             lower = upper = NAN;
         } else {
             const float4 centroid = lower + upper;
             const SceneBounds one = {lower, upper, centroid, centroid};
             mine = merge_bounds(mine, one);
         }
-        vstore3(lower.xyz, 2 * i, boxes);
-        vstore3(upper.xyz, 2 * i + 1, boxes);
+        store_corner(boxes + BOX_FLOATS * i, lower);
+        store_corner(boxes + BOX_FLOATS * i + 3, upper);
     }
     store_bounds(partial + BOUNDS_FLOATS * get_group_id(0), reduce_over_group(scratch, mine));
 }

@@ -1,8 +1,11 @@
 // LBVH: the binary tree that sorted Morton codes imply, with boxes, in one bottom-up pass. Every border between
 // neighbouring positions is one inner node, numbered by the position behind it (node.clh).
 //
+// prepare        group shape: what climb exchanges with starts as NOT_REACHED and zeros
+//   out    reached [leaf_count], nodes
+//   launch ceil(leaf_count / WORK_GROUP_SIZE) groups
 // climb          group shape: one work item a leaf; the second to reach a node goes on (Apetrei 2014)
-//   in     codes, leaves [leaf_count ..]   inout  reached [leaf_count], all ones at first   out  nodes, root_reference
+//   in     codes, leaves [leaf_count ..]   inout  reached   out  nodes, root_reference
 //   [1] launch ceil(leaf_count / WORK_GROUP_SIZE) groups
 // build_pieces   lane shape: one work item a contiguous piece of the leaves, with a stack instead of atomics; clusters
 // that
@@ -29,7 +32,7 @@ typedef struct {
 // Puts `cluster` on the stack of neighbouring clusters, then merges at the top while the border between the two is the
 // deepest around. `end` is the position behind the cluster. Returns the stack's new size.
 static inline uint push_cluster(PendingCluster* stack, uint size, PendingCluster cluster, uint end,
-                                global const ulong* codes, global float16* nodes, uint leaf_count) {
+                                global const ulong* codes, global float* nodes, uint leaf_count) {
     const int right_level = border_level(codes, end, leaf_count);
     while (size > 0) {
         const PendingCluster left = stack[size - 1];
@@ -49,7 +52,7 @@ static inline uint push_cluster(PendingCluster* stack, uint size, PendingCluster
 }
 
 KERNEL void build_pieces(global const ulong* codes, global const float* leaves, uint leaf_count, uint piece_length,
-                         global float16* nodes, global PendingCluster* pending, global uint* pending_counts) {
+                         global float* nodes, global PendingCluster* pending, global uint* pending_counts) {
     const uint begin = min((uint)get_group_id(0) * piece_length, leaf_count);
     const uint end = min(begin + piece_length, leaf_count);
     PendingCluster stack[MAX_PENDING];
@@ -65,8 +68,7 @@ KERNEL void build_pieces(global const ulong* codes, global const float* leaves, 
 }
 
 KERNEL void join_pieces(global const PendingCluster* pending, global const uint* pending_counts, uint piece_count,
-                        global const ulong* codes, uint leaf_count, global float16* nodes,
-                        global uint* root_reference) {
+                        global const ulong* codes, uint leaf_count, global float* nodes, global uint* root_reference) {
     PendingCluster stack[MAX_PENDING];
     uint size = 0;
     PendingCluster next = pending[0];
@@ -88,6 +90,14 @@ KERNEL void join_pieces(global const PendingCluster* pending, global const uint*
 #else
 
 #define NOT_REACHED 0xffffffffu
+
+KERNEL void prepare(uint leaf_count, global uint* reached, global float* nodes) {
+    const size_t slot = get_global_id(0);
+    if (slot < leaf_count) {
+        reached[slot] = NOT_REACHED;
+        vstore16((float16)(0.0f), slot, nodes);
+    }
+}
 
 // What one work item tells another of a different group goes through atomics on every word: OpenCL 1.2 promises nothing
 // of plain stores and loads between groups within a launch. The fence orders them before the exchange that announces

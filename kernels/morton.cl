@@ -28,7 +28,9 @@
 
 static inline void store_code(global uint2* pairs, global uint* code_low, global uint* code_high, size_t i, uint low,
                               uint high) {
-    pairs[i] = (uint2)(low, (uint)i);
+    global uint* pair = (global uint*)(pairs + i);
+    pair[0] = low;
+    pair[1] = (uint)i;
     code_low[i] = low;
     code_high[i] = high;
 }

@@ -65,7 +65,7 @@ KERNEL void search(global const uint* references, uint count, uint piece_length,
 }
 
 static inline void merge_pair(uint left, uint right, global uint* references, global const float* leaves,
-                              global float* inner, global float16* nodes, uint leaf_count) {
+                              global float* inner, global float* nodes, uint leaf_count) {
     const uint left_reference = references[left];
     const uint right_reference = references[right];
     global const float* left_record = record_of(left_reference, leaves, inner, leaf_count);
@@ -79,7 +79,7 @@ static inline void merge_pair(uint left, uint right, global uint* references, gl
 }
 
 KERNEL void merge(global uint* references, uint count, uint piece_length, global const uint* neighbours,
-                  global const float* leaves, global float* inner, global float16* nodes, uint leaf_count,
+                  global const float* leaves, global float* inner, global float* nodes, uint leaf_count,
                   global uchar* valid) {
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)count);

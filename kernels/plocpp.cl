@@ -23,7 +23,7 @@
 #include "range.clh"
 
 KERNEL void search_merge(global const uint* references, uint count, uint chunks_per_group, global const float* leaves,
-                         global float* inner, global float16* nodes, uint leaf_count, global uint* marked,
+                         global float* inner, global float* nodes, uint leaf_count, global uint* marked,
                          global uint* valid_counts) {
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
@@ -88,7 +88,7 @@ KERNEL void compact(global const uint* marked, uint count, uint chunks_per_group
 }
 
 KERNEL void finish(global uint* references, global uint* other, uint count, global const float* leaves,
-                   global float* inner, global float16* nodes, uint leaf_count, global uint* root_reference) {
+                   global float* inner, global float* nodes, uint leaf_count, global uint* root_reference) {
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
     DECLARE_MERGE(survivor, merging);

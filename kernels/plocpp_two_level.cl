@@ -77,7 +77,7 @@ KERNEL void extract_ranges(global const ulong* codes, uint leaf_count, uint rang
 }
 
 KERNEL void cluster_ranges(global const uint* range_begins, global const uint* range_total, global uint* references,
-                           global uint* other, global const float* leaves, global float* inner, global float16* nodes,
+                           global uint* other, global const float* leaves, global float* inner, global float* nodes,
                            uint leaf_count, global uint* survivors, global uint* survivor_counts) {
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
@@ -97,7 +97,7 @@ KERNEL void cluster_ranges(global const uint* range_begins, global const uint* r
 }
 
 KERNEL void finish_ranges(global const uint* survivors, global const uint* survivor_counts, global uint* references,
-                          global uint* other, global const float* leaves, global float* inner, global float16* nodes,
+                          global uint* other, global const float* leaves, global float* inner, global float* nodes,
                           uint leaf_count, global uint* root_reference) {
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);

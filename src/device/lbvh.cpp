@@ -22,11 +22,13 @@ std::uint64_t extra_bytes(const BuildSettings& settings, std::uint32_t) {
 void climb(const ClusterJob& job) {
     Launcher& launcher = job.launcher;
     const BuildBuffers& b = job.buffers;
-    Kernel& climb = launcher.session().kernel("lbvh.cl", "climb", job.settings.stream_group_size, "");
     const std::size_t group_size = job.settings.stream_group_size;
-    launcher.session().queue().enqueueFillBuffer(b.inner, cl_uint{0xffffffffu}, 0, 4 * std::size_t{job.leaf_count});
-    launcher.launch(climb, (job.leaf_count + group_size - 1) / group_size, b.codes, b.leaves, job.leaf_count, b.inner,
-                    b.nodes, b.root_reference);
+    const std::size_t groups = (job.leaf_count + group_size - 1) / group_size;
+    const auto kernel = [&](std::string_view name) -> Kernel& {
+        return launcher.session().kernel("lbvh.cl", name, group_size, "");
+    };
+    launcher.launch(kernel("prepare"), groups, job.leaf_count, b.inner, b.nodes);
+    launcher.launch(kernel("climb"), groups, b.codes, b.leaves, job.leaf_count, b.inner, b.nodes, b.root_reference);
 }
 
 void build_pieces(const ClusterJob& job) {
