@@ -6,20 +6,16 @@
 // The keys are cut into pieces of piece_length, one work group each; counts are kept digit-major, [RADIX * pieces].
 // count_digits    in pairs  out counts
 // scan_counts     group shape only: counts become the first position of each (digit, piece); one group
-// scatter         in pairs, counts; what comes out depends on `step`
-//                 PLAIN  pairs_out
-//                 REKEY  pairs_out, and the key becomes look_up[value]
-//                 SPLIT  values_out, and codes_out [n] = key << 32 | look_up[value]
+// scatter         in pairs, counts  out pairs
+// scatter_rekey   the same, and the key becomes next_keys[value]
+// scatter_last    the same, but splits the pair: values alone, and codes [n] = key << 32 | code_low[value]
 //
-// local   group shape: TILE * 8 + RADIX_COUNTERS * WORK_GROUP_SIZE * 2 + 3 * RADIX * 4 bytes; lane shape: none
+// local   group shape: TILE * 8 + LOCAL_DIGITS * WORK_GROUP_SIZE * 2 + 3 * RADIX * 4 bytes; lane shape: none
 #include "work_group.clh"
 #include "scan.clh"
 
 #define RADIX_BITS 8
 #define RADIX (1 << RADIX_BITS)
-#define PLAIN 0
-#define REKEY 1
-#define SPLIT 2
 #define DIGIT(key, shift) ((key) >> (shift) & (RADIX - 1))
 
 KERNEL void count_digits(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
@@ -72,32 +68,45 @@ static inline void find_positions(global const uint* counts, uint* position) {
     }
 }
 
+#define LOAD_POSITIONS(position) \
+    uint position[RADIX];        \
+    find_positions(counts, position);
+
 KERNEL void scatter(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
-                    global const uint* counts, uint step, global const uint* look_up, global uint2* pairs_out,
-                    global uint* values_out, global ulong* codes_out) {
+                    global const uint* counts, global uint2* pairs_out) {
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)pair_count);
-    uint position[RADIX];
-    find_positions(counts, position);
-    if (step == PLAIN) {
-        for (size_t i = begin; i < end; ++i) {
-            const uint2 pair = pairs[i];
-            pairs_out[position[DIGIT(pair.x, shift)]++] = pair;
-        }
-    } else if (step == REKEY) {
-        for (size_t i = begin; i < end; ++i) {
-            const uint2 pair = pairs[i];
-            PREFETCH(look_up + pairs[min(i + GATHER_AHEAD, end - 1)].y);
-            pairs_out[position[DIGIT(pair.x, shift)]++] = (uint2)(look_up[pair.y], pair.y);
-        }
-    } else {
-        for (size_t i = begin; i < end; ++i) {
-            const uint2 pair = pairs[i];
-            PREFETCH(look_up + pairs[min(i + GATHER_AHEAD, end - 1)].y);
-            const uint at = position[DIGIT(pair.x, shift)]++;
-            values_out[at] = pair.y;
-            codes_out[at] = (ulong)pair.x << 32 | look_up[pair.y];
-        }
+    LOAD_POSITIONS(position)
+    for (size_t i = begin; i < end; ++i) {
+        const uint2 pair = pairs[i];
+        pairs_out[position[DIGIT(pair.x, shift)]++] = pair;
+    }
+}
+
+KERNEL void scatter_rekey(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
+                          global const uint* counts, global uint2* pairs_out, global const uint* next_keys) {
+    const size_t begin = get_group_id(0) * (size_t)piece_length;
+    const size_t end = min(begin + piece_length, (size_t)pair_count);
+    LOAD_POSITIONS(position)
+    for (size_t i = begin; i < end; ++i) {
+        const uint2 pair = pairs[i];
+        PREFETCH(next_keys + pairs[min(i + GATHER_AHEAD, end - 1)].y);
+        pairs_out[position[DIGIT(pair.x, shift)]++] = (uint2)(next_keys[pair.y], pair.y);
+    }
+}
+
+KERNEL void scatter_last(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
+                         global const uint* counts, global const uint* code_low, global uint* values_out,
+                         global ulong* codes_out) {
+    const size_t begin = get_group_id(0) * (size_t)piece_length;
+    const size_t end = min(begin + piece_length, (size_t)pair_count);
+    LOAD_POSITIONS(position)
+    for (size_t i = begin; i < end; ++i) {
+        const uint2 pair = pairs[i];
+        PREFETCH(code_low + pairs[min(i + GATHER_AHEAD, end - 1)].y);
+        const uint at = position[DIGIT(pair.x, shift)]++;
+        values_out[at] = pair.y;
+        codes_out[at] = (ulong)pair.x << 32 | code_low[pair.y];
     }
 }
 
@@ -163,6 +172,19 @@ static inline void sort_tile(local uint2* tile, local ushort* counters, local ui
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
+#define SCATTER_LOCALS                                                     \
+    local uint2 tile[TILE];                                                \
+    local ushort counters[LOCAL_DIGITS * WORK_GROUP_SIZE];                 \
+    local uint scratch[WORK_GROUP_SIZE];                                   \
+    local uint next[RADIX];                                                \
+    local uint run_begin[RADIX];                                           \
+    local uint run_end[RADIX];                                             \
+    const size_t begin = get_group_id(0) * (size_t)piece_length;           \
+    const size_t end = min(begin + piece_length, (size_t)pair_count);      \
+    FOR_WORK_ITEMS(digit, 0, RADIX) {                                      \
+        next[digit] = counts[digit * get_num_groups(0) + get_group_id(0)]; \
+    }
+
 // Loads and sorts the tile at `at`, and finds the run of each digit.
 static inline void load_tile(global const uint2* pairs, size_t at, size_t end, uint shift, local uint2* tile,
                              local ushort* counters, local uint* scratch, local uint* run_begin, local uint* run_end) {
@@ -187,40 +209,40 @@ static inline void load_tile(global const uint2* pairs, size_t at, size_t end, u
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
+// for every pair of the piece: `at` is where it belongs. Padding pairs end the tile that holds the piece's end.
+#define FOR_SCATTERED_PAIRS(store)                                                             \
+    for (size_t tile_begin = begin; tile_begin < end; tile_begin += TILE) {                    \
+        load_tile(pairs, tile_begin, end, shift, tile, counters, scratch, run_begin, run_end); \
+        FOR_WORK_ITEMS(k, 0, min((size_t)TILE, end - tile_begin)) {                            \
+            const uint2 pair = tile[k];                                                        \
+            const uint digit = DIGIT(pair.x, shift);                                           \
+            const uint at = next[digit] + (uint)k - run_begin[digit];                          \
+            store                                                                              \
+        }                                                                                      \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                          \
+        FOR_WORK_ITEMS(digit, 0, RADIX) {                                                      \
+            next[digit] += run_end[digit] - run_begin[digit];                                  \
+        }                                                                                      \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                          \
+    }
+
 KERNEL void scatter(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
-                    global const uint* counts, uint step, global const uint* look_up, global uint2* pairs_out,
-                    global uint* values_out, global ulong* codes_out) {
-    local uint2 tile[TILE];
-    local ushort counters[LOCAL_DIGITS * WORK_GROUP_SIZE];
-    local uint scratch[WORK_GROUP_SIZE];
-    local uint next[RADIX];  // where the group's next pair of each digit belongs
-    local uint run_begin[RADIX];
-    local uint run_end[RADIX];
-    const size_t begin = get_group_id(0) * (size_t)piece_length;
-    const size_t end = min(begin + piece_length, (size_t)pair_count);
-    FOR_WORK_ITEMS(digit, 0, RADIX) {
-        next[digit] = counts[digit * get_num_groups(0) + get_group_id(0)];
-    }
-    for (size_t tile_begin = begin; tile_begin < end; tile_begin += TILE) {
-        load_tile(pairs, tile_begin, end, shift, tile, counters, scratch, run_begin, run_end);
-        // What lies beyond the piece's end is padding.
-        FOR_WORK_ITEMS(k, 0, min((size_t)TILE, end - tile_begin)) {
-            const uint2 pair = tile[k];
-            const uint digit = DIGIT(pair.x, shift);
-            const uint at = next[digit] + (uint)k - run_begin[digit];
-            if (step == SPLIT) {
-                values_out[at] = pair.y;
-                codes_out[at] = (ulong)pair.x << 32 | look_up[pair.y];
-            } else {
-                vstore2((uint2)(step == REKEY ? look_up[pair.y] : pair.x, pair.y), at, (global uint*)pairs_out);
-            }
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
-        FOR_WORK_ITEMS(digit, 0, RADIX) {
-            next[digit] += run_end[digit] - run_begin[digit];
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
+                    global const uint* counts, global uint2* pairs_out) {
+    SCATTER_LOCALS
+    FOR_SCATTERED_PAIRS(pairs_out[at] = pair;)
+}
+
+KERNEL void scatter_rekey(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
+                          global const uint* counts, global uint2* pairs_out, global const uint* next_keys) {
+    SCATTER_LOCALS
+    FOR_SCATTERED_PAIRS(vstore2((uint2)(next_keys[pair.y], pair.y), at, (global uint*)pairs_out);)
+}
+
+KERNEL void scatter_last(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
+                         global const uint* counts, global const uint* code_low, global uint* values_out,
+                         global ulong* codes_out) {
+    SCATTER_LOCALS
+    FOR_SCATTERED_PAIRS(values_out[at] = pair.y; codes_out[at] = (ulong)pair.x << 32 | code_low[pair.y];)
 }
 
 #endif

@@ -35,6 +35,9 @@ clbvh_error guarded(Body&& body) noexcept {
     }
 }
 
+// The options of version 0.1: no caller knows fewer.
+constexpr std::size_t kSmallestOptions = sizeof(clbvh_options);
+
 void require(bool condition, const char* message) {
     if (!condition) {
         throw clbvh::Error(clbvh::ErrorCode::invalid_input, message);
@@ -49,7 +52,7 @@ clbvh_options default_options() {
 clbvh::BuildOptions to_build_options(const clbvh_options* given) {
     clbvh_options options = default_options();
     if (given != nullptr) {
-        require(given->size >= sizeof(given->size), "clbvh_options.size is not set; use clbvh_default_options");
+        require(given->size >= kSmallestOptions, "clbvh_options.size is not set; use clbvh_default_options");
         std::memcpy(&options, given, std::min<std::size_t>(given->size, sizeof(options)));
     }
     require(options.shape <= 2, "clbvh_options.shape is not 0, 1 or 2");
@@ -90,9 +93,11 @@ clbvh::Mesh copy_mesh(const float* vertices, std::uint64_t vertex_count, const s
 
 }  // namespace
 
-void clbvh_default_options(clbvh_options* options) {
+void clbvh_default_options(clbvh_options* options, uint32_t size) {
     if (options != nullptr) {
-        *options = default_options();
+        clbvh_options defaults = default_options();
+        defaults.size = size;
+        std::memcpy(options, &defaults, std::min<std::size_t>(size, sizeof(defaults)));
     }
 }
 

@@ -64,7 +64,7 @@ TEST_CASE("the C interface reports failures as codes and messages") {
     CHECK(clbvh_create_builder("plocpp", nullptr, nullptr, nullptr) == CLBVH_INVALID_INPUT);
     CHECK(clbvh_create_builder("plocpp", "no such device", nullptr, &c.handle) == CLBVH_NO_DEVICE);
     clbvh_options options;
-    clbvh_default_options(&options);
+    clbvh_default_options(&options, sizeof(options));
     options.search_radius = 33;
     CHECK(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
     CHECK(std::string(clbvh_last_error()).find("search_radius") != std::string::npos);
@@ -91,19 +91,26 @@ TEST_CASE("a failed build through the C interface leaves no tree and a builder t
     CHECK(build(c.handle, mesh) == CLBVH_OK);
 }
 
-TEST_CASE("an older caller's shorter options keep the defaults of what it does not know") {
+TEST_CASE("options of another version's size are told apart") {
     clbvh_options options;
-    clbvh_default_options(&options);
-    options.size = offsetof(clbvh_options, shape);
-    options.shape = 77;  // beyond what the caller says it knows
+    clbvh_default_options(&options, sizeof(options));
+    options.size = sizeof(options) - 1;
     CBuilder c;
-    CHECK(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_OK);
+    CHECK(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
+    struct {
+        clbvh_options known;
+        unsigned char newer[16];
+    } future = {};
+    std::memset(&future, 0x5a, sizeof(future));
+    clbvh_default_options(&future.known, sizeof(future));
+    CHECK(future.newer[0] == 0x5a);  // what this library does not know it leaves alone
+    CHECK(clbvh_create_builder("plocpp", nullptr, &future.known, &c.handle) == CLBVH_OK);
 }
 
 TEST_CASE("progress through the C interface names the stage and cancels") {
     std::string stage;
     clbvh_options options;
-    clbvh_default_options(&options);
+    clbvh_default_options(&options, sizeof(options));
     options.progress = stop_at_once;
     options.progress_user = &stage;
     CBuilder c;

@@ -49,8 +49,9 @@ typedef struct clbvh_options {
 /** A builder on a device, with its programs, its memory and the last finished tree. One thread at a time. */
 typedef struct clbvh_builder clbvh_builder;
 
-/** Fills `options` with the defaults, `size` included. */
-void clbvh_default_options(clbvh_options* options);
+/** Fills the first `size` bytes of `options` with the defaults, and its field `size`. Pass sizeof(clbvh_options): a
+   later version of the library then writes no field that the caller was not compiled with. */
+void clbvh_default_options(clbvh_options* options, uint32_t size);
 
 /** Creates builder `id` ("plocpp", ...) on the device that `device` picks (null or "": the default, see
     clbvh::pick_device). `options` may be null. `*builder` is null after a failure. */

@@ -88,21 +88,23 @@ cl::Buffer view_of(const cl::Buffer& parent, std::uint64_t offset, std::uint64_t
 void BuildBuffers::reserve(Session& session, const BuildSettings& settings, std::uint32_t primitives,
                            std::uint64_t extra_bytes) {
     check_allocation(session, std::max(kNodeBytes * primitives, extra_bytes), primitives);
-    with_opencl_errors("memory for " + std::to_string(primitives) + " primitives", [&] {
-        if (capacity_ < primitives || extra_capacity_ < extra_bytes) {
-            // What is too small goes first, so that old and new are never alive together.
-            const std::uint64_t n = std::max<std::uint64_t>(capacity_, primitives);
-            const std::uint64_t extra_size = std::max(extra_capacity_, extra_bytes);
-            *this = BuildBuffers{};
-            cut_small(*this, session, settings);
-            allocate(*this, session, n);
+    if (capacity_ < primitives || extra_capacity_ < extra_bytes) {
+        // What is too small goes first, so that old and new are never alive together; after a failure nothing is held.
+        const std::uint64_t n = std::max<std::uint64_t>(capacity_, primitives);
+        const std::uint64_t extra_size = std::max(extra_capacity_, extra_bytes);
+        *this = BuildBuffers{};
+        BuildBuffers grown;
+        with_opencl_errors("memory for " + std::to_string(primitives) + " primitives", [&] {
+            cut_small(grown, session, settings);
+            allocate(grown, session, n);
             if (extra_size > 0) {
-                extra = allocate_buffer(session, extra_size);
+                grown.extra = allocate_buffer(session, extra_size);
             }
-            capacity_ = n;
-            extra_capacity_ = extra_size;
-        }
-    });
+        });
+        *this = std::move(grown);
+        capacity_ = n;
+        extra_capacity_ = extra_size;
+    }
     const std::uint64_t quarter = align_for_views(4 * std::uint64_t{primitives});
     bytes = (kNodeBytes + kReferenceBytes + kLeafBytes) * primitives + std::max(kInnerBytes * primitives, 6 * quarter) +
             2 * quarter + small.getInfo<CL_MEM_SIZE>() + extra_bytes;

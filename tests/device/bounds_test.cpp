@@ -22,9 +22,9 @@ struct BoundsResult {
     SceneBounds scene;
 };
 
-BoundsResult run_bounds(const Mesh& mesh, Shape shape) {
-    StageBench bench(options_of(shape), mesh.triangles.size());
-    device::launch_bounds(bench.launcher, bench.settings, bench.buffers, upload_mesh(mesh));
+BoundsResult run_bounds(const Mesh& mesh, const device::BuildSettings& settings) {
+    StageBench bench(settings, mesh.triangles.size());
+    device::launch_bounds(bench.launcher, bench.settings, bench.buffers, upload_mesh(bench.session, mesh));
     const std::vector<Aabb> scene = read<Aabb>(bench.buffers.bounds, 2);
     return {read<Aabb>(bench.buffers.boxes, mesh.triangles.size()), {scene[0], scene[1]}};
 }
@@ -46,16 +46,20 @@ std::size_t first_wrong_box(const std::vector<Aabb>& boxes, const ActivePrimitiv
     return boxes.size();
 }
 
-void expect_host_bounds(const Mesh& mesh) {
+void expect_host_bounds(const Mesh& mesh, const device::BuildSettings& settings) {
     const ActivePrimitives active = active_primitives(mesh);
     const SceneBounds expected = scene_bounds(active.bounds);
-    for (const Shape shape : kBothShapes) {
-        INFO(to_string(shape) << ", " << mesh.triangles.size() << " primitives, " << active.ids.size() << " active");
-        const BoundsResult result = run_bounds(mesh, shape);
-        CHECK(first_wrong_box(result.boxes, active) == result.boxes.size());
-        CHECK(is_same_bits(result.scene.primitives, expected.primitives));
-        CHECK(is_same_bits(result.scene.doubled_centroids, expected.doubled_centroids));
-    }
+    INFO(to_string(settings.shape) << ", " << mesh.triangles.size() << " primitives, " << active.ids.size()
+                                   << " active");
+    const BoundsResult result = run_bounds(mesh, settings);
+    CHECK(first_wrong_box(result.boxes, active) == result.boxes.size());
+    CHECK(is_same_bits(result.scene.primitives, expected.primitives));
+    CHECK(is_same_bits(result.scene.doubled_centroids, expected.doubled_centroids));
+}
+
+void expect_host_bounds(const Mesh& mesh) {
+    for (const Shape shape : kBothShapes)
+        expect_host_bounds(mesh, settings_of(options_of(shape)));
 }
 
 }  // namespace
@@ -103,7 +107,7 @@ TEST_CASE("bounds: vertices are shared, and zeros lose their sign") {
         mesh.triangles.push_back({i % 4, i / 4 % 4, i / 16 % 4});
     expect_host_bounds(mesh);
     for (const Shape shape : kBothShapes) {
-        const BoundsResult result = run_bounds({{{-0.0f, -0.0f, -0.0f}}, {{0, 0, 0}}}, shape);
+        const BoundsResult result = run_bounds({{{-0.0f, -0.0f, -0.0f}}, {{0, 0, 0}}}, settings_of(options_of(shape)));
         CHECK(is_same_bits(result.boxes[0], Aabb{{0, 0, 0}, {0, 0, 0}}));
         CHECK(is_same_bits(result.scene.doubled_centroids, Aabb{{0, 0, 0}, {0, 0, 0}}));
     }
@@ -119,4 +123,14 @@ TEST_CASE("bounds: the largest and the smallest coordinates") {
     for (Vec3& vertex : mesh.vertices)
         vertex = {vertex.x * 1e-18f, vertex.y * 1e-18f, vertex.z * 1e-18f};
     expect_host_bounds(mesh);
+}
+
+TEST_CASE("bounds: small work groups, and as many pieces as a large device takes") {
+    const Mesh mesh = random_triangles(300000);
+    for (const Shape shape : kBothShapes)
+        expect_host_bounds(mesh, large_device_settings(options_of(shape)));
+    for (const std::size_t size : {1, 31, 32, 33, 5000}) {
+        for (const std::size_t largest_group : {32, 64, 128})
+            expect_host_bounds(random_triangles(size), small_group_settings(options_of(Shape::group), largest_group));
+    }
 }

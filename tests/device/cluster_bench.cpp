@@ -3,7 +3,6 @@
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cstring>
-#include <memory>
 #include <numeric>
 #include <optional>
 
@@ -14,14 +13,11 @@
 namespace clbvh::test {
 namespace {
 
-/// A bench with the leaves and codes of `order` in place, and no node written.
-std::unique_ptr<StageBench> prepare(const device::DeviceAlgorithm& algorithm, const BuildOptions& options,
-                                    const MortonOrder& order) {
-    auto bench = std::make_unique<StageBench>(options, order.bounds.size(), &algorithm);
-    fill_bytes(bench->buffers.nodes, 0xff);
-    write(bench->buffers.leaves, order.bounds);
-    write(bench->buffers.codes, order.codes);
-    return bench;
+/// Puts the leaves and codes of `order` in place, with no node written.
+void prepare(StageBench& bench, const MortonOrder& order) {
+    fill_bytes(bench.buffers.nodes, 0xff);
+    write(bench.buffers.leaves, order.bounds);
+    write(bench.buffers.codes, order.codes);
 }
 
 void cluster(StageBench& bench, const device::DeviceAlgorithm& algorithm, std::size_t leaf_count) {
@@ -63,12 +59,18 @@ Node leaf_node(const MortonOrder& order, std::size_t i) {
 
 ClusterResult run_cluster(const device::DeviceAlgorithm& algorithm, const BuildOptions& options,
                           const MortonOrder& order) {
-    const auto bench = prepare(algorithm, options, order);
-    cluster(*bench, algorithm, order.bounds.size());
+    return run_cluster(algorithm, settings_of(options), order);
+}
+
+ClusterResult run_cluster(const device::DeviceAlgorithm& algorithm, const device::BuildSettings& settings,
+                          const MortonOrder& order) {
+    StageBench bench(settings, order.bounds.size(), &algorithm);
+    prepare(bench, order);
+    cluster(bench, algorithm, order.bounds.size());
     ClusterResult result;
-    result.nodes = read<Node>(bench->buffers.nodes, 2 * order.bounds.size());
-    result.root_reference = bench->launcher.read_uint(bench->buffers.root_reference);
-    result.stats = bench->launcher.finish();
+    result.nodes = read<Node>(bench.buffers.nodes, 2 * order.bounds.size());
+    result.root_reference = bench.launcher.read_uint(bench.buffers.root_reference);
+    result.stats = bench.launcher.finish();
     return result;
 }
 
@@ -76,11 +78,12 @@ std::vector<Node> run_first_round(const device::DeviceAlgorithm& algorithm, Buil
                                   const MortonOrder& order) {
     std::size_t rounds = 0;
     options.single_group_threshold = 2;
-    options.progress = [&](const Progress& progress) { return progress.fraction == 0.0 || ++rounds < 2; };
-    const auto bench = prepare(algorithm, options, order);
-    CHECK_THROWS_AS(cluster(*bench, algorithm, order.bounds.size()), Error);
+    StageBench bench(settings_of(options), order.bounds.size(), &algorithm,
+                     [&](const Progress& progress) { return progress.fraction == 0.0 || ++rounds < 2; });
+    prepare(bench, order);
+    CHECK_THROWS_AS(cluster(bench, algorithm, order.bounds.size()), Error);
     CHECK(rounds == 2);
-    return read<Node>(bench->buffers.nodes, 2 * order.bounds.size());
+    return read<Node>(bench.buffers.nodes, 2 * order.bounds.size());
 }
 
 std::vector<Node> first_round_nodes(const MortonOrder& order, std::uint32_t radius, Comparison comparison) {

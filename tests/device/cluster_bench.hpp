@@ -18,13 +18,16 @@ struct ClusterResult {
 /// Runs the cluster stage alone on leaves with these boxes and codes.
 [[nodiscard]] ClusterResult run_cluster(const device::DeviceAlgorithm& algorithm, const BuildOptions& options,
                                         const MortonOrder& order);
+[[nodiscard]] ClusterResult run_cluster(const device::DeviceAlgorithm& algorithm, const device::BuildSettings& settings,
+                                        const MortonOrder& order);
 
 /// Runs it for the first of the rounds that the host launches, cancels it, and returns the nodes.
 [[nodiscard]] std::vector<Node> run_first_round(const device::DeviceAlgorithm& algorithm, BuildOptions options,
                                                 const MortonOrder& order);
 
 /// The nodes after one round of PLOC over `order`, as its definition gives them.
-[[nodiscard]] std::vector<Node> first_round_nodes(const MortonOrder& order, std::uint32_t radius, Comparison comparison);
+[[nodiscard]] std::vector<Node> first_round_nodes(const MortonOrder& order, std::uint32_t radius,
+                                                  Comparison comparison);
 
 /// True where both are the same bytes.
 [[nodiscard]] bool same_nodes(const std::vector<Node>& a, const std::vector<Node>& b);
@@ -38,8 +41,8 @@ bool expect_cluster_tree(const ClusterResult& result, const OracleTree& expected
 /// Leaves with these boxes in this order, whatever Morton codes would say.
 [[nodiscard]] MortonOrder order_of_boxes(std::vector<Aabb> boxes);
 
-/// `count` points on a line, each gap wider than the one before: the nearest of point i is i - 1, so that only the first
-/// two are mutual.
+/// `count` points on a line, each gap wider than the one before: the nearest of point i is i - 1, so that only the
+/// first two are mutual.
 [[nodiscard]] std::vector<Aabb> widening_points(std::size_t count);
 
 }  // namespace clbvh::test

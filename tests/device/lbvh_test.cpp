@@ -1,5 +1,5 @@
-// What is special about LBVH: the tree follows from the codes alone, however uneven they are, and wherever the lane shape
-// cuts them into pieces.
+// What is special about LBVH: the tree follows from the codes alone, however uneven they are, and wherever the lane
+// shape cuts them into pieces.
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -97,4 +97,15 @@ TEST_CASE("lbvh: neighbouring codes that differ in every possible highest bit") 
     for (std::uint64_t& code : codes)
         code |= 1;
     expect_prefix_tree(codes, "pairs of near codes");
+}
+
+TEST_CASE("lbvh: small work groups, and as many pieces as a large device takes") {
+    const MortonOrder order = random_order(300000);
+    const OracleTree expected = lbvh_tree(order);
+    for (const Shape shape : kBothShapes) {
+        INFO(to_string(shape));
+        expect_cluster_tree(run_cluster(device::kLbvh, large_device_settings(options_of(shape)), order), expected);
+    }
+    expect_cluster_tree(run_cluster(device::kLbvh, small_group_settings(options_of(Shape::group), 32), order),
+                        expected);
 }

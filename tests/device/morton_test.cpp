@@ -57,11 +57,15 @@ std::vector<std::uint64_t> expected_codes(const Boxes& boxes, MortonCode code) {
     return codes;
 }
 
-/// What launch_morton leaves: its code halves, put together. Checks that the pairs agree with them.
-std::vector<std::uint64_t> run_morton(const Boxes& boxes, MortonCode code, Shape shape) {
+BuildOptions morton_options(MortonCode code, Shape shape) {
     BuildOptions options = options_of(shape);
     options.morton_code = code;
-    StageBench bench(options, boxes.size());
+    return options;
+}
+
+/// What launch_morton leaves: its code halves, put together. Checks that the pairs agree with them.
+std::vector<std::uint64_t> run_morton(const Boxes& boxes, const device::BuildSettings& settings) {
+    StageBench bench(settings, boxes.size());
     const SceneBounds scene = scene_bounds(active_boxes(boxes));
     write(bench.buffers.bounds, std::vector<Aabb>{scene.primitives, scene.doubled_centroids});
     std::vector<Aabb> values;
@@ -84,15 +88,19 @@ std::vector<std::uint64_t> run_morton(const Boxes& boxes, MortonCode code, Shape
     return codes;
 }
 
+void expect_host_codes(const Boxes& boxes, const device::BuildSettings& settings, const std::string& where) {
+    INFO(where << ", " << boxes.size() << " boxes, " << to_string(settings.morton_code) << ", "
+               << to_string(settings.shape));
+    const std::vector<std::uint64_t> expected = expected_codes(boxes, settings.morton_code);
+    const std::vector<std::uint64_t> codes = run_morton(boxes, settings);
+    const auto different = std::mismatch(codes.begin(), codes.end(), expected.begin()).first;
+    CHECK(different - codes.begin() == static_cast<std::ptrdiff_t>(codes.size()));
+}
+
 void expect_host_codes(const Boxes& boxes, const std::string& where) {
     for (const MortonCode code : {MortonCode::xyz, MortonCode::extended}) {
-        const std::vector<std::uint64_t> expected = expected_codes(boxes, code);
-        for (const Shape shape : kBothShapes) {
-            INFO(where << ", " << boxes.size() << " boxes, " << to_string(code) << ", " << to_string(shape));
-            const std::vector<std::uint64_t> codes = run_morton(boxes, code, shape);
-            const auto different = std::mismatch(codes.begin(), codes.end(), expected.begin()).first;
-            CHECK(different - codes.begin() == static_cast<std::ptrdiff_t>(codes.size()));
-        }
+        for (const Shape shape : kBothShapes)
+            expect_host_codes(boxes, settings_of(morton_options(code, shape)), where);
     }
 }
 
@@ -114,7 +122,8 @@ TEST_CASE("morton: the corners of a cube have the codes that bits on paper give"
         corners.push_back(point(static_cast<float>(i >> 2), static_cast<float>(i >> 1 & 1), static_cast<float>(i & 1)));
     constexpr std::uint64_t every_third = 0x1249249249249249;
     for (const Shape shape : kBothShapes) {
-        const std::vector<std::uint64_t> codes = run_morton(corners, MortonCode::xyz, shape);
+        const std::vector<std::uint64_t> codes =
+            run_morton(corners, settings_of(morton_options(MortonCode::xyz, shape)));
         for (std::uint64_t i = 0; i < 8; ++i)
             CHECK(codes[i] == i * every_third);
     }
@@ -147,8 +156,8 @@ TEST_CASE("morton: extents at the ends of the range of float") {
     expect_host_codes(random_boxes(1000, {9e17f, 1.0f, 1e-30f}, {1, 1, 1}), "a needle");
     Boxes outliers = random_boxes(1000, {1, 1, 1}, {1, 1, 1});
     outliers[500] = point(-kMaxCoordinate, kMaxCoordinate, kMaxCoordinate);
-    outliers[501] = Aabb{{-kMaxCoordinate, -kMaxCoordinate, -kMaxCoordinate},
-                         {kMaxCoordinate, kMaxCoordinate, kMaxCoordinate}};
+    outliers[501] =
+        Aabb{{-kMaxCoordinate, -kMaxCoordinate, -kMaxCoordinate}, {kMaxCoordinate, kMaxCoordinate, kMaxCoordinate}};
     expect_host_codes(outliers, "outliers");
 }
 
@@ -160,7 +169,22 @@ TEST_CASE("morton: sizes from a point to the scene decide the extended code's si
                              {0.5f + size / 2, 0.5f + size / 2, 0.5f + size / 2}});
     }
     expect_host_codes(boxes, "concentric boxes");
-    const std::vector<std::uint64_t> codes = run_morton(boxes, MortonCode::extended, Shape::lane);
+    const std::vector<std::uint64_t> codes =
+        run_morton(boxes, settings_of(morton_options(MortonCode::extended, Shape::lane)));
     CHECK(codes[0] > codes[1]);
     CHECK(codes[1] > codes[2]);
+}
+
+TEST_CASE("morton: small work groups, and as many pieces as a large device takes") {
+    for (const MortonCode code : {MortonCode::xyz, MortonCode::extended}) {
+        for (const Shape shape : kBothShapes) {
+            const BuildOptions options = morton_options(code, shape);
+            expect_host_codes(random_boxes(300000, {1, 2, 3}, {1, 1, 1}), large_device_settings(options), "a box");
+        }
+        for (const std::size_t largest_group : {32, 128}) {
+            const BuildOptions options = morton_options(code, Shape::group);
+            expect_host_codes(random_boxes(5000, {1, 2, 3}, {1, 1, 1}), small_group_settings(options, largest_group),
+                              "groups of " + std::to_string(largest_group));
+        }
+    }
 }

@@ -19,7 +19,7 @@ BuildOptions small_chunks(Shape shape, std::uint32_t radius) {
 }
 
 std::uint32_t chunk_of(const BuildOptions& options) {
-    const auto settings = device::resolve_settings(options, shared_context().session());
+    const device::BuildSettings settings = settings_of(options);
     return settings.chunk_size(settings.search_radius);
 }
 
@@ -28,13 +28,12 @@ std::vector<std::uint32_t> sizes_around_chunks(std::uint32_t chunk) {
     return {1, 2, 3, chunk - 1, chunk, chunk + 1, 2 * chunk - 1, 2 * chunk, 2 * chunk + 1, 40 * chunk + 1};
 }
 
-/// Points whose gaps grow so slowly that distances of fewer bits confuse them.
-std::vector<Aabb> nearly_even_points(std::size_t count) {
+/// Cubes at one place whose lengths differ so little that distances of fewer bits confuse them.
+std::vector<Aabb> nearly_equal_boxes(std::size_t count) {
     std::vector<Aabb> boxes;
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto step = static_cast<float>(i);
-        const float x = 1024.0f * step + step * step / 64.0f;
-        boxes.push_back({{x, x, 0}, {x, x, 0}});
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const float length = 1.0f + static_cast<float>(i * 37 % 64) / 1048576.0f;
+        boxes.push_back({{0, 0, 0}, {length, 1, 1}});
     }
     return boxes;
 }
@@ -73,7 +72,7 @@ TEST_CASE("ploc: the tree and its rounds are the oracle's at sizes around chunks
 }
 
 TEST_CASE("ploc: distances are compared to the last bit") {
-    const MortonOrder order = order_of_boxes(nearly_even_points(700));
+    const MortonOrder order = order_of_boxes(nearly_equal_boxes(700));
     const std::vector<Node> exact = first_round_nodes(order, 16, Comparison::exact);
     REQUIRE_FALSE(same_nodes(exact, first_round_nodes(order, 16, Comparison::packed)));
     for (const Shape shape : kBothShapes) {
@@ -110,5 +109,17 @@ TEST_CASE("ploc: equal boxes halve in each round") {
         CHECK(result.stats.clusters_per_iteration ==
               std::vector<std::uint32_t>{1024, 512, 256, 128, 64, 32, 16, 8, 4, 2});
         expect_cluster_tree(result, ploc_tree(order, 16, Comparison::exact));
+    }
+}
+
+TEST_CASE("ploc: as many pieces as a large device takes") {
+    const MortonOrder order = random_order(150000);
+    const OracleTree expected = ploc_tree(order, 4, Comparison::exact);
+    for (const Shape shape : kBothShapes) {
+        BuildOptions options = small_chunks(shape, 4);
+        options.work_group_size = 128;
+        const ClusterResult result = run_cluster(device::kPloc, large_device_settings(options), order);
+        CHECK(result.stats.clusters_per_iteration == expected.clusters_per_iteration);
+        expect_cluster_tree(result, expected);
     }
 }

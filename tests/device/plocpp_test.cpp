@@ -20,7 +20,7 @@ BuildOptions small_chunks(Shape shape, std::uint32_t radius) {
 }
 
 std::uint32_t chunk_of(const BuildOptions& options) {
-    const auto settings = device::resolve_settings(options, shared_context().session());
+    const device::BuildSettings settings = settings_of(options);
     return settings.chunk_size(2 * settings.search_radius);
 }
 
@@ -130,5 +130,15 @@ TEST_CASE("plocpp: the tree is the same wherever the last work group takes over"
             options.single_group_threshold = threshold;
             expect_cluster_tree(run_cluster(device::kPlocpp, options, order), expected);
         }
+    }
+}
+
+TEST_CASE("plocpp: as many pieces as a large device takes") {
+    const MortonOrder order = random_order(150000);
+    const OracleTree expected = ploc_tree(order, 4, Comparison::packed);
+    for (const Shape shape : kBothShapes) {
+        BuildOptions options = small_chunks(shape, 4);
+        options.work_group_size = 128;
+        expect_cluster_tree(run_cluster(device::kPlocpp, large_device_settings(options), order), expected);
     }
 }

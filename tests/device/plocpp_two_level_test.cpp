@@ -27,12 +27,12 @@ RangeBegins run_extract_ranges(const BuildOptions& options, const std::vector<st
     write(bench.buffers.codes, codes);
     const std::uint32_t most = 2 * options.range_count;
     const std::string defines = bench.settings.search_defines() + " -D MAX_RANGES=" + std::to_string(most);
-    device::Kernel& kernel = bench.session.kernel("plocpp_two_level.cl", "extract_ranges",
-                                                  bench.settings.cluster_group_size, defines);
+    device::Kernel& kernel =
+        bench.session.kernel("plocpp_two_level.cl", "extract_ranges", bench.settings.cluster_group_size, defines);
     const cl::Buffer begins(bench.session.context(), CL_MEM_READ_WRITE, sizeof(cl_uint) * (most + 1));
     const cl::Buffer total(bench.session.context(), CL_MEM_READ_WRITE, sizeof(cl_uint));
-    bench.launcher.launch(kernel, 1, bench.buffers.codes, static_cast<std::uint32_t>(codes.size()),
-                          options.range_count, begins, total);
+    bench.launcher.launch(kernel, 1, bench.buffers.codes, static_cast<std::uint32_t>(codes.size()), options.range_count,
+                          begins, total);
     const std::uint32_t count = bench.launcher.read_uint(total);
     REQUIRE(count <= most);
     return read<std::uint32_t>(begins, count + 1);
@@ -105,7 +105,7 @@ std::vector<NamedCodes> hard_codes() {
 void expect_ranges(const NamedCodes& input) {
     const RangeSplitter splitter(input.codes);
     for (const Shape shape : kBothShapes) {
-        for (const std::uint32_t range_count : {1u, 2u, 3u, 8u, 100u, 512u}) {
+        for (const std::uint32_t range_count : {1u, 2u, 7u, 64u, 512u}) {
             INFO(to_string(shape) << ", " << input.codes.size() << " codes, " << input.name << ", at least "
                                   << range_count);
             CHECK(run_extract_ranges(options_with_ranges(shape, range_count), input.codes) ==

@@ -53,7 +53,8 @@ std::vector<KeyPattern> key_patterns() {
     };
     for (std::uint32_t digit = 0; digit < 8; ++digit) {
         patterns.push_back({"only digit " + std::to_string(digit), [digit](auto i, auto) {
-                                return (scrambled(i) & 255) << 8 * digit | (std::uint64_t{0x55} << (8 * digit + 32) % 64);
+                                return (scrambled(i) & 255) << 8 * digit |
+                                       (std::uint64_t{0x55} << (8 * digit + 32) % 64);
                             }});
     }
     return patterns;
@@ -104,7 +105,7 @@ void expect_stable_order(StageBench& bench, const Codes& codes) {
 
 void expect_stable_order(const std::vector<KeyPattern>& patterns, const std::vector<std::uint32_t>& sizes) {
     for (const Shape shape : kBothShapes) {
-        StageBench bench(sort_options(shape), std::ranges::max(sizes));
+        StageBench bench(settings_of(sort_options(shape)), std::ranges::max(sizes));
         for (const std::uint32_t size : sizes) {
             for (const KeyPattern& pattern : patterns) {
                 INFO(to_string(shape) << ", " << size << " pairs: " << pattern.name);
@@ -138,9 +139,25 @@ TEST_CASE("sort: sizes around the number of pieces times a tile") {
 
 TEST_CASE("sort: nothing to sort leaves the results alone") {
     for (const Shape shape : kBothShapes) {
-        StageBench bench(sort_options(shape), 100);
+        StageBench bench(settings_of(sort_options(shape)), 100);
         fill_bytes(bench.buffers.primitive_ids, 0x5a);
         expect_stable_order(bench, {});
         CHECK(read<std::uint32_t>(bench.buffers.primitive_ids, 100) == std::vector<std::uint32_t>(100, 0x5a5a5a5a));
     }
+}
+
+TEST_CASE("sort: small work groups, and as many pieces as a large device takes") {
+    for (const KeyPattern& pattern : key_patterns()) {
+        INFO(pattern.name);
+        for (const std::size_t largest_group : {32, 64, 128}) {
+            StageBench bench(small_group_settings(sort_options(Shape::group), largest_group), 9000);
+            expect_stable_order(bench, make_codes(pattern, 9000));
+        }
+        for (const Shape shape : kBothShapes) {
+            StageBench bench(large_device_settings(sort_options(shape)), 50000);
+            expect_stable_order(bench, make_codes(pattern, 50000));
+        }
+    }
+    StageBench most_pieces(large_device_settings(sort_options(Shape::group)), 1025 * 1024);
+    expect_stable_order(most_pieces, make_codes(key_patterns().front(), 1025 * 1024));
 }

@@ -1,5 +1,6 @@
 #include "device/stage_bench.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include "support/builders.hpp"
@@ -11,28 +12,50 @@ const cl::CommandQueue& queue() {
     return shared_context().session().queue();
 }
 
-cl::Buffer upload(const void* data, std::size_t bytes) {
-    const cl::Buffer buffer(shared_context().session().context(), CL_MEM_READ_ONLY, bytes);
-    write_bytes(buffer, data, bytes);
+cl::Buffer upload(const device::Session& session, const void* data, std::size_t bytes) {
+    const cl::Buffer buffer(session.context(), CL_MEM_READ_ONLY, bytes);
+    session.queue().enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, data);
     return buffer;
 }
 
 }  // namespace
 
-StageBench::StageBench(const BuildOptions& options, std::size_t primitives, const device::DeviceAlgorithm* algorithm)
+device::BuildSettings settings_of(const BuildOptions& options) {
+    return device::resolve_settings(options, shared_context().session());
+}
+
+device::BuildSettings large_device_settings(const BuildOptions& options) {
+    device::BuildSettings settings = settings_of(options);
+    settings.groups_to_fill = device::BuildBuffers::kMostPieces;
+    settings.most_sort_pieces = device::BuildBuffers::kMostPieces;
+    return settings;
+}
+
+device::BuildSettings small_group_settings(const BuildOptions& options, std::size_t largest_group) {
+    device::BuildSettings settings = settings_of(options);
+    settings.stream_group_size = std::min(settings.stream_group_size, largest_group);
+    settings.sort_group_size = std::min(settings.sort_group_size, largest_group);
+    return settings;
+}
+
+StageBench::StageBench(const device::BuildSettings& build_settings, std::size_t primitives,
+                       const device::DeviceAlgorithm* algorithm, ProgressCallback progress_callback)
     : session(shared_context().session()),
-      settings(device::resolve_settings(options, session)),
-      progress(options.progress),
+      settings(build_settings),
+      progress(std::move(progress_callback)),
       launcher(session, progress) {
     const auto count = static_cast<std::uint32_t>(primitives);
     buffers.reserve(session, settings, count, algorithm != nullptr ? algorithm->extra_bytes(settings, count) : 0);
     launcher.begin_stage("test", 0.0);
 }
 
-device::DeviceMesh upload_mesh(const Mesh& mesh) {
+StageBench::StageBench(const BuildOptions& options, std::size_t primitives)
+    : StageBench(settings_of(options), primitives) {}
+
+device::DeviceMesh upload_mesh(const device::Session& session, const Mesh& mesh) {
     device::DeviceMesh uploaded;
-    uploaded.vertices = upload(mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
-    uploaded.triangles = upload(mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+    uploaded.vertices = upload(session, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
+    uploaded.triangles = upload(session, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
     uploaded.primitive_count = static_cast<std::uint32_t>(mesh.triangles.size());
     uploaded.active_count = static_cast<std::uint32_t>(mesh.triangles.size() - check_mesh(mesh));
     return uploaded;

@@ -11,11 +11,22 @@ namespace clbvh::test {
 
 inline constexpr std::array kBothShapes{Shape::group, Shape::lane};
 
+/// `options` made definite for the shared device.
+[[nodiscard]] device::BuildSettings settings_of(const BuildOptions& options);
+
+/// The same, but with as much work to fill as the largest device has.
+[[nodiscard]] device::BuildSettings large_device_settings(const BuildOptions& options);
+
+/// The same, but for a device whose work groups hold no more than this.
+[[nodiscard]] device::BuildSettings small_group_settings(const BuildOptions& options, std::size_t largest_group);
+
 /// What one stage needs to run by itself: settings, memory for some primitives, and a launcher in a stage "test".
 /// Runs on the context that all tests share.
 struct StageBench {
     /// `algorithm` is the one whose memory is reserved beside what every build uses.
-    StageBench(const BuildOptions& options, std::size_t primitives, const device::DeviceAlgorithm* algorithm = nullptr);
+    StageBench(const device::BuildSettings& settings, std::size_t primitives,
+               const device::DeviceAlgorithm* algorithm = nullptr, ProgressCallback progress = {});
+    StageBench(const BuildOptions& options, std::size_t primitives);
 
     device::Session& session;
     device::BuildSettings settings;
@@ -24,7 +35,7 @@ struct StageBench {
     device::Launcher launcher;
 };
 
-[[nodiscard]] device::DeviceMesh upload_mesh(const Mesh& mesh);
+[[nodiscard]] device::DeviceMesh upload_mesh(const device::Session& session, const Mesh& mesh);
 
 void write_bytes(const cl::Buffer& buffer, const void* data, std::size_t bytes);
 void read_bytes(const cl::Buffer& buffer, void* data, std::size_t bytes);
