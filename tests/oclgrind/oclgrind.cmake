@@ -1,8 +1,9 @@
 # run_in_oclgrind(REPORT COMMAND...): runs COMMAND with Oclgrind's device as the only one. Fails where the command fails;
 # what Oclgrind reported goes to the variable REPORT. CHECKS are options of Oclgrind, LOG is the file to use.
-# One thread: with more, Oclgrind is no faster and now and then takes initialised memory for uninitialised. It finds races
-# by what work items may do, not by what its threads did. More local memory than its 32 KiB, since it adds up the local
-# variables of all kernels of a program.
+# One thread: with more, Oclgrind is no faster, and it finds races by what work items may do, not by what its threads did.
+# More local memory than its 32 KiB: it adds up the local variables of all kernels of a program.
+# Its check of uninitialised memory forgets a whole buffer where the host copies or fills a part of it; the library then
+# looks faulty now and then, so it copies whole buffers, or leaves such work to kernels.
 function(run_in_oclgrind report)
   file(REMOVE ${LOG})
   set(ENV{CLBVH_DEVICE} Oclgrind)
