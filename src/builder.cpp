@@ -2,53 +2,47 @@
 
 #include <optional>
 
+#include "backend.hpp"
 #include "clbvh/core/error.hpp"
-#include "device/pipeline.hpp"
-#include "device/session.hpp"
-#include "registry_rows.hpp"
 
 namespace clbvh {
 namespace {
 
-using device::with_opencl_errors;
-
-// Uploads `bytes` from `data`; an empty array becomes a null buffer, which no kernel is given.
-cl::Buffer upload_array(device::Session& session, const void* data, std::size_t bytes) {
-    if (bytes == 0) {
-        return {};
-    }
-    cl::Buffer buffer(session.context(), CL_MEM_READ_ONLY, bytes);
-    session.queue().enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, data);
-    return buffer;
-}
-
 // What needs no device is checked before one is opened.
-Context open_default_device(std::string_view builder_id, const BuildOptions& options) {
-    static_cast<void>(find_builder(builder_id));
+std::optional<Context> open_context_for(std::string_view builder_id, const BuildOptions& options) {
+    const BuilderInfo& info = find_builder(builder_id);
     check_options(options);
+    if (info.kind == BuilderKind::host) return std::nullopt;
     return Context::open();
 }
 
 }  // namespace
 
 struct Builder::State {
+    State(std::string_view builder_id, std::optional<Context> chosen_context, const BuildOptions& chosen_options)
+        : row(find_builder_row(builder_id)), context(std::move(chosen_context)), options(chosen_options) {
+        check_options(options);
+        if (row.info.kind == BuilderKind::host) {
+            context.reset();
+            backend = make_host_backend(row, options);
+        } else {
+            backend = make_device_backend(row, options, *context);
+        }
+    }
+
     const BuilderRow& row;
-    Context context;
+    std::optional<Context> context;  // absent for host builders
     BuildOptions options;
-    device::BuildSettings settings;
-    device::BuildBuffers buffers;
-    std::optional<device::DeviceMesh> mesh;
-    bool finished = false;  // buffers hold a tree over `mesh`
+    std::unique_ptr<Backend> backend;
+    bool uploaded = false;
+    bool finished = false;  // the backend holds a tree over its mesh
 };
 
 Builder::Builder(std::string_view builder_id, const BuildOptions& options)
-    : Builder(builder_id, open_default_device(builder_id, options), options) {}
+    : state_(std::make_unique<State>(builder_id, open_context_for(builder_id, options), options)) {}
 
-Builder::Builder(std::string_view builder_id, Context context, const BuildOptions& options) {
-    const BuilderRow& row = find_builder_row(builder_id);
-    const device::BuildSettings settings = device::resolve_settings(options, context.session());
-    state_ = std::make_unique<State>(State{row, std::move(context), options, settings, {}, std::nullopt, false});
-}
+Builder::Builder(std::string_view builder_id, Context context, const BuildOptions& options)
+    : state_(std::make_unique<State>(builder_id, std::move(context), options)) {}
 
 Builder::Builder(Builder&&) noexcept = default;
 Builder& Builder::operator=(Builder&&) noexcept = default;
@@ -58,26 +52,18 @@ void Builder::upload(const Mesh& mesh) {
     State& state = *state_;
     const std::uint64_t inactive = check_mesh(mesh);
     state.finished = false;
-    state.mesh.reset();
-    device::Session& session = state.context.session();
-    device::DeviceMesh uploaded;
-    uploaded.primitive_count = static_cast<std::uint32_t>(mesh.triangles.size());
-    uploaded.active_count = static_cast<std::uint32_t>(mesh.triangles.size() - inactive);
-    with_opencl_errors("uploading the mesh", [&] {
-        uploaded.vertices = upload_array(session, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
-        uploaded.triangles = upload_array(session, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
-    });
-    state.mesh = uploaded;
+    state.uploaded = false;
+    state.backend->upload(mesh, mesh.triangles.size() - inactive);
+    state.uploaded = true;
 }
 
 BuildStats Builder::run() {
     State& state = *state_;
-    if (!state.mesh) {
+    if (!state.uploaded) {
         throw Error(ErrorCode::invalid_input, "nothing was uploaded; call upload() before run()");
     }
     state.finished = false;
-    BuildStats stats = device::run_pipeline(state.context.session(), *state.row.device_algorithm, state.settings,
-                                            state.options.progress, *state.mesh, state.buffers);
+    BuildStats stats = state.backend->run();
     state.finished = true;
     return stats;
 }
@@ -87,20 +73,7 @@ Bvh Builder::download() const {
     if (!state.finished) {
         throw Error(ErrorCode::invalid_input, "there is no finished tree; call run() before download()");
     }
-    Bvh bvh;
-    bvh.primitive_count = state.mesh->primitive_count;
-    const std::size_t leaf_count = state.mesh->active_count;
-    if (leaf_count > 0) {
-        bvh.nodes.resize(2 * leaf_count);
-        bvh.primitive_ids.resize(leaf_count);
-        with_opencl_errors("downloading the tree", [&] {
-            const cl::CommandQueue& queue = state.context.session().queue();
-            queue.enqueueReadBuffer(state.buffers.nodes, CL_TRUE, 0, bvh.nodes.size() * sizeof(Node), bvh.nodes.data());
-            queue.enqueueReadBuffer(state.buffers.primitive_ids, CL_TRUE, 0, leaf_count * sizeof(std::uint32_t),
-                                    bvh.primitive_ids.data());
-        });
-    }
-    return bvh;
+    return state.backend->download();
 }
 
 Bvh Builder::build(const Mesh& mesh, BuildStats* stats) {
@@ -118,11 +91,14 @@ const BuilderInfo& Builder::info() const noexcept {
 const BuildOptions& Builder::options() const noexcept {
     return state_->options;
 }
-const Context& Builder::context() const noexcept {
-    return state_->context;
+const Context& Builder::context() const {
+    if (!state_->context) {
+        throw Error(ErrorCode::unsupported, std::string(info().id) + " runs on the host and has no OpenCL context");
+    }
+    return *state_->context;
 }
 Shape Builder::shape() const noexcept {
-    return state_->settings.shape;
+    return state_->backend->shape();
 }
 
 Bvh build(const Mesh& mesh, std::string_view builder_id, const BuildOptions& options, BuildStats* stats) {

@@ -5,25 +5,59 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "host/binned_sah.hpp"
+#include "host/median.hpp"
 #include "registry_rows.hpp"
 
 namespace clbvh {
 namespace {
 
+/// A zero BuildOptions::max_leaf_size leaves the choice to the builder.
+template <typename Config>
+Config with_leaf_size(Config config, const BuildOptions& options) {
+    if (options.max_leaf_size > 0) config.max_leaf_size = options.max_leaf_size;
+    return config;
+}
+
+void run_binned_sah(host::HostBuild& build, const BuildOptions& options) {
+    BinnedSahConfig config;
+    config.bin_count = options.bin_count;
+    config.longest_axis_only = options.bin_longest_axis_only;
+    config.inner_cost = options.inner_cost;
+    config.primitive_cost = options.primitive_cost;
+    host::build_binned_sah(build, with_leaf_size(config, options));
+}
+
+void run_median(host::HostBuild& build, const BuildOptions& options) {
+    host::build_median(build, with_leaf_size(MedianConfig{}, options));
+}
+
 // The table of builders. A new builder is one row here.
 const BuilderRow kRows[] = {
     {{"ploc", "PLOC: nearest neighbours in Morton order, five kernels an iteration", "Meister, Bittner 2018",
       BuilderKind::device, true},
-     &device::kPloc},
+     &device::kPloc,
+     nullptr},
     {{"plocpp", "PLOC++: fused search and merge, two kernels an iteration, one work group for the top",
       "Benthin, Drabinski, Tessari, Dittebrandt 2022", BuilderKind::device, true},
-     &device::kPlocpp},
+     &device::kPlocpp,
+     nullptr},
     {{"plocpp-two-level", "PLOC++ Two-Level: independent Morton ranges, one work group each, then the top",
       "Benthin, Drabinski, Tessari, Dittebrandt 2022, section 4.5", BuilderKind::device, true},
-     &device::kPlocppTwoLevel},
+     &device::kPlocppTwoLevel,
+     nullptr},
     {{"lbvh", "LBVH: the tree that sorted Morton codes imply, bottom-up in one pass",
       "Lauterbach et al. 2009, Karras 2012, Apetrei 2014", BuilderKind::device, false},
-     &device::kLbvh},
+     &device::kLbvh,
+     nullptr},
+    {{"binned-sah", "Binned SAH: top-down, the surface area heuristic between 16 bins an axis", "Wald 2007",
+      BuilderKind::host, false},
+     nullptr,
+     run_binned_sah},
+    {{"median", "Object median on the longest axis: the floor that everything must beat", "folklore", BuilderKind::host,
+      false},
+     nullptr,
+     run_median},
 };
 
 }  // namespace

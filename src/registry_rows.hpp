@@ -2,13 +2,15 @@
 
 #include "clbvh/registry.hpp"
 #include "device/device_algorithm.hpp"
+#include "host/host_build.hpp"
 
 namespace clbvh {
 
-/// A builder's public row and the function behind it.
+/// A builder's public row and what is behind it: one of the two, as its kind says.
 struct BuilderRow {
     BuilderInfo info;
     const device::DeviceAlgorithm* device_algorithm;
+    host::HostAlgorithm host_algorithm;
 };
 
 /// The row of `id`; throws as find_builder does.

@@ -12,7 +12,7 @@
 
 namespace clbvh {
 
-/// Builds trees with one builder on one device, and keeps programs and memory between builds.
+/// Builds trees with one builder, on the host or on one device, and keeps programs and memory between builds.
 ///
 ///     clbvh::Builder builder("plocpp");
 ///     clbvh::Bvh bvh = builder.build(mesh);
@@ -21,9 +21,10 @@ namespace clbvh {
 /// After any exception the builder can be used again. One thread at a time.
 class Builder {
 public:
-    /// Opens the default device. Throws what Context::open, find_builder and check_options throw.
+    /// Opens the default device where the builder needs one. Throws what Context::open, find_builder and check_options
+    /// throw.
     explicit Builder(std::string_view builder_id, const BuildOptions& options = {});
-    /// Runs on the caller's device.
+    /// Runs on the caller's device; a host builder leaves it alone.
     Builder(std::string_view builder_id, Context context, const BuildOptions& options = {});
     Builder(Builder&&) noexcept;
     Builder& operator=(Builder&&) noexcept;
@@ -32,18 +33,19 @@ public:
     /// Uploads, runs, downloads. Fills `stats` where given.
     [[nodiscard]] Bvh build(const Mesh& mesh, BuildStats* stats = nullptr);
 
-    /// Checks the mesh (throws what check_mesh throws, before any work) and copies it to the device.
+    /// Checks the mesh (throws what check_mesh throws, before any work) and copies it to where the builder runs.
     void upload(const Mesh& mesh);
-    /// Builds from the uploaded mesh to a finished tree in device memory, and waits for it.
+    /// Builds from the uploaded mesh to a finished tree in the builder's own memory, and waits for it.
     /// Throws Error(invalid_input) where nothing was uploaded, Error(cancelled) where the progress callback said no.
     BuildStats run();
-    /// Copies the last finished tree to the host. Throws Error(invalid_input) where there is none.
+    /// A copy of the last finished tree. Throws Error(invalid_input) where there is none.
     [[nodiscard]] Bvh download() const;
 
     [[nodiscard]] const BuilderInfo& info() const noexcept;
     [[nodiscard]] const BuildOptions& options() const noexcept;
-    [[nodiscard]] const Context& context() const noexcept;
-    /// The shape that runs: what BuildOptions::shape was resolved to, group or lane.
+    /// Throws Error(unsupported) for a host builder.
+    [[nodiscard]] const Context& context() const;
+    /// The shape that runs: what BuildOptions::shape was resolved to, group or lane; automatic for a host builder.
     [[nodiscard]] Shape shape() const noexcept;
 
 private:

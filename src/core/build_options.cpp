@@ -5,7 +5,7 @@
 #include <bit>
 #include <string>
 
-#include "clbvh/core/error.hpp"
+#include "core/check_field.hpp"
 
 namespace clbvh {
 namespace {
@@ -49,38 +49,39 @@ std::optional<Enum> value_of(const std::array<Named<Enum>, Size>& table, std::st
     return row == table.end() ? std::nullopt : std::optional<Enum>(row->value);
 }
 
-[[noreturn]] void reject(std::string_view option, std::uint64_t value, std::string_view range) {
-    throw Error(ErrorCode::invalid_input,
-                std::string(option) + " is " + std::to_string(value) + "; it must be " + std::string(range));
-}
-
-void check_range(std::string_view option, std::uint32_t value, std::uint32_t least, std::uint32_t most) {
-    if (value >= least && value <= most) return;
-    reject(option, value, std::to_string(least) + " to " + std::to_string(most));
-}
-
 template <typename Enum>
 void check_enumerator(std::string_view option, Enum value) {
-    if (to_string(value).empty()) reject(option, static_cast<std::uint64_t>(value), "one of its enumerators");
+    if (to_string(value).empty()) {
+        reject_field(option, std::to_string(static_cast<unsigned>(value)), "one of its enumerators");
+    }
 }
 
 void check_chunk_size(std::uint32_t size) {
     const bool valid = size == 0 || (size >= 64 && size <= 4096 && size % 64 == 0);
-    if (!valid) reject("chunk_size", size, "64 to 4096 in steps of 64, or 0 to have it chosen");
+    if (!valid) reject_field("chunk_size", std::to_string(size), "64 to 4096 in steps of 64, or 0 to have it chosen");
 }
 
 void check_work_group_size(std::uint32_t size) {
     const bool valid = size == 0 || (size >= 32 && size <= 1024 && std::has_single_bit(size));
-    if (!valid) reject("work_group_size", size, "a power of two from 32 to 1024, or 0 to have it chosen");
+    if (!valid)
+        reject_field("work_group_size", std::to_string(size), "a power of two from 32 to 1024, or 0 to have it chosen");
 }
 
 void check_range_count(std::uint32_t count) {
-    if (count > 512) reject("range_count", count, "1 to 512, or 0 to have it chosen");
+    if (count > 512) reject_field("range_count", std::to_string(count), "1 to 512, or 0 to have it chosen");
 }
 
 }  // namespace
 
 void check_options(const BuildOptions& options) {
+    check_positive("inner_cost", options.inner_cost);
+    check_positive("primitive_cost", options.primitive_cost);
+    check_range("max_leaf_size", options.max_leaf_size, 0, kMaxLeafSize);
+    check_range("bin_count", options.bin_count, 2, kMaxBinCount);
+    check_range("split_alpha", options.split_alpha, 0.0f, 1.0f);
+    check_range("reference_budget", options.reference_budget, 1.0f, 8.0f);
+    check_range("presplit_level", options.presplit_level, 0, kMaxPresplitLevel);
+    check_range("thread_count", options.thread_count, 0, 1024);
     check_range("search_radius", options.search_radius, 1, 32);
     check_enumerator("shape", options.shape);
     check_enumerator("sort_shape", options.sort_shape);

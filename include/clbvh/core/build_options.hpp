@@ -36,8 +36,21 @@ enum class NeighbourSearch : std::uint8_t {
     scan,       ///< Each side measures its own 2 R pairs; no atomics.
 };
 
-/// Options of the device builders. A zero size means: chosen for the device.
+/// Options of all builders; each reads those that concern it. A zero size means: chosen for the builder or the device.
 struct BuildOptions {
+    float inner_cost = 1.2f;          ///< Cost of visiting an inner node, above 0: SAH builders, flattening.
+    float primitive_cost = 1.0f;      ///< Cost of testing one primitive, above 0: SAH builders, flattening.
+    std::uint32_t max_leaf_size = 0;  ///< Most primitives of a leaf, 1 to 64. Where given, the finished tree's leaves
+                                      ///< are merged as far as that lowers its SAH cost; 0: as the builder leaves it.
+    std::uint32_t bin_count = 16;     ///< binned-sah, sbvh: bins an axis, 2 to 64.
+    bool bin_longest_axis_only = false;  ///< binned-sah: bins along the longest axis of the centroids' bounds only.
+    float split_alpha = 1e-5f;           ///< sbvh: least overlap of children, relative to the scene's half area, that
+                                         ///< makes it try a spatial split, 0 to 1.
+    float reference_budget = 2.0f;       ///< sbvh: most references, as a multiple of the primitives, 1 to 8.
+    std::uint32_t presplit_level = 0;    ///< Before any builder, split triangles that have an edge whose box is larger
+                                         ///< than the scene's volume / 2^level, 1 to 40; the paper's is 14. 0: do not.
+    std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
+
     std::uint32_t search_radius = 16;  ///< R of PLOC and PLOC++: neighbours searched to each side, 1 to 32.
     Shape shape = Shape::automatic;    ///< See Shape.
     Shape sort_shape =

@@ -24,7 +24,8 @@ struct BuildStats {
     std::uint32_t iterations = 0;  ///< Rounds of clustering that the host launched one by one; 0 for other builders.
     std::vector<std::uint32_t> clusters_per_iteration;  ///< Clusters alive at the start of each of those iterations.
     std::uint64_t peak_device_bytes = 0;                ///< Largest sum of the build's device buffers, input excluded.
-    std::uint64_t inactive_primitives = 0;              ///< Primitives with a NaN coordinate, left out of the tree.
+    std::uint64_t peak_host_bytes = 0;      ///< Host builders: the most that scratch and tree took, input excluded.
+    std::uint64_t inactive_primitives = 0;  ///< Primitives with a NaN coordinate, left out of the tree.
 };
 
 /// How far a build is.

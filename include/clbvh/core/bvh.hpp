@@ -33,6 +33,9 @@ struct Bvh {
     std::vector<Node> nodes;
     std::vector<std::uint32_t> primitive_ids;  ///< Leaves refer to ranges of this array; its values are primitives.
     std::uint64_t primitive_count = 0;         ///< Primitives of the input, the inactive ones included.
+    /// True where a builder was free to cut primitives in parts: one primitive may then be in several leaves, each of
+    /// whose boxes covers only a part of it, and primitive_ids may hold more ids than there are primitives.
+    bool split_references = false;
 
     [[nodiscard]] bool empty() const noexcept { return nodes.empty(); }
 };

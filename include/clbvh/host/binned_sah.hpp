@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "clbvh/core/aabb.hpp"
+#include "clbvh/core/bvh.hpp"
+
+namespace clbvh {
+
+/// Top-down builder that evaluates the surface area heuristic between bins of primitives.
+///
+/// Wald 2007, "On fast construction of SAH-based bounding volume hierarchies". O(n log n) time; depth at most 288.
+struct BinnedSahConfig {
+    std::uint32_t bin_count = 16;     ///< Bins an axis, over the bounds of the centroids, 2 to 64.
+    bool longest_axis_only = false;   ///< Bins along the longest axis of these bounds only, as Gu et al. 2013 compare.
+    float inner_cost = 1.2f;          ///< Cost of visiting an inner node, above 0.
+    float primitive_cost = 1.0f;      ///< Cost of testing one primitive, above 0.
+    std::uint32_t max_leaf_size = 8;  ///< Largest leaf, in primitives, 1 to 64.
+};
+
+/// Builds over `bounds`, where primitive i is bounds[i], on the threads of the calling task arena of oneTBB.
+/// Throws Error(invalid_input) where a field of `config` is out of its range, naming it, or a box is not legal (a NaN,
+/// inverted, beyond kMaxCoordinate), naming the first; Error(unsupported) beyond kMaxPrimitives; Error(out_of_memory).
+[[nodiscard]] Bvh build_binned_sah(std::span<const Aabb> bounds, const BinnedSahConfig& config = {});
+
+}  // namespace clbvh

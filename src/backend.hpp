@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "clbvh/core/build_options.hpp"
+#include "clbvh/core/bvh.hpp"
+#include "clbvh/core/mesh.hpp"
+#include "clbvh/device/context.hpp"
+#include "registry_rows.hpp"
+
+namespace clbvh {
+
+/// Where a builder runs, the host or an OpenCL device, behind one face. Builder keeps the order of the calls.
+class Backend {
+public:
+    virtual ~Backend() = default;
+
+    /// Takes a copy of a mesh that check_mesh has passed, with `active_count` active triangles.
+    virtual void upload(const Mesh& mesh, std::uint64_t active_count) = 0;
+    /// Builds from the uploaded mesh, and keeps the tree.
+    virtual BuildStats run() = 0;
+    /// A copy of the tree of the last run.
+    [[nodiscard]] virtual Bvh download() const = 0;
+    /// What BuildOptions::shape was resolved to; automatic where there are no kernels.
+    [[nodiscard]] virtual Shape shape() const noexcept = 0;
+};
+
+/// `options` are in range and outlive the backend.
+[[nodiscard]] std::unique_ptr<Backend> make_host_backend(const BuilderRow& row, const BuildOptions& options);
+/// Throws where the device cannot do what `options` ask for.
+[[nodiscard]] std::unique_ptr<Backend> make_device_backend(const BuilderRow& row, const BuildOptions& options,
+                                                           const Context& context);
+
+}  // namespace clbvh

@@ -1,0 +1,79 @@
+#include "backend.hpp"
+#include "device/pipeline.hpp"
+#include "device/session.hpp"
+
+namespace clbvh {
+namespace {
+
+using device::with_opencl_errors;
+
+// Uploads `bytes` from `data`; an empty array becomes a null buffer, which no kernel is given.
+cl::Buffer upload_array(device::Session& session, const void* data, std::size_t bytes) {
+    if (bytes == 0) {
+        return {};
+    }
+    cl::Buffer buffer(session.context(), CL_MEM_READ_ONLY, bytes);
+    session.queue().enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, data);
+    return buffer;
+}
+
+class DeviceBackend final : public Backend {
+public:
+    DeviceBackend(const BuilderRow& row, const BuildOptions& options, const Context& context)
+        : algorithm_(*row.device_algorithm),
+          options_(options),
+          context_(context),
+          settings_(device::resolve_settings(options, context_.session())) {}
+
+    void upload(const Mesh& mesh, std::uint64_t active_count) override {
+        device::Session& session = context_.session();
+        mesh_ = {};  // the memory of the mesh before is free again
+        device::DeviceMesh uploaded;
+        uploaded.primitive_count = static_cast<std::uint32_t>(mesh.triangles.size());
+        uploaded.active_count = static_cast<std::uint32_t>(active_count);
+        with_opencl_errors("uploading the mesh", [&] {
+            uploaded.vertices = upload_array(session, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
+            uploaded.triangles = upload_array(session, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+        });
+        mesh_ = uploaded;
+    }
+
+    BuildStats run() override {
+        return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, buffers_);
+    }
+
+    Bvh download() const override {
+        Bvh bvh;
+        bvh.primitive_count = mesh_.primitive_count;
+        const std::size_t leaf_count = mesh_.active_count;
+        if (leaf_count == 0) return bvh;
+        bvh.nodes.resize(2 * leaf_count);
+        bvh.primitive_ids.resize(leaf_count);
+        with_opencl_errors("downloading the tree", [&] {
+            const cl::CommandQueue& queue = context_.session().queue();
+            queue.enqueueReadBuffer(buffers_.nodes, CL_TRUE, 0, bvh.nodes.size() * sizeof(Node), bvh.nodes.data());
+            queue.enqueueReadBuffer(buffers_.primitive_ids, CL_TRUE, 0, leaf_count * sizeof(std::uint32_t),
+                                    bvh.primitive_ids.data());
+        });
+        return bvh;
+    }
+
+    Shape shape() const noexcept override { return settings_.shape; }
+
+private:
+    const device::DeviceAlgorithm& algorithm_;
+    const BuildOptions& options_;
+    Context context_;
+    device::BuildSettings settings_;
+    device::BuildBuffers buffers_;
+    device::DeviceMesh mesh_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> make_device_backend(const BuilderRow& row, const BuildOptions& options,
+                                             const Context& context) {
+    return std::make_unique<DeviceBackend>(row, options, context);
+}
+
+}  // namespace clbvh

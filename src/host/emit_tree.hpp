@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "clbvh/core/bvh.hpp"
+
+namespace clbvh::host {
+
+/// What lies below one inner node.
+struct Extent {
+    std::uint32_t pairs;       ///< Sibling pairs; 0: the inner node is to be flattened into a leaf.
+    std::uint32_t primitives;  ///< Primitive ids of all its leaves.
+};
+
+/// A finished tree whose sibling pairs lie in slots of any order, with holes: as a builder writes it.
+struct TreeSlots {
+    std::span<const Node> nodes;                   ///< The root is 0; pairs begin at even indices from 2.
+    std::span<const Extent> extents;               ///< extents[p]: below the parent of the pair in nodes 2p and 2p + 1.
+    std::span<const std::uint32_t> primitive_ids;  ///< What the leaves' ranges refer to.
+};
+
+/// What lies below `node`, an inner node or a leaf.
+[[nodiscard]] inline Extent extent_of(const Node& node, std::span<const Extent> extents) noexcept {
+    return node.is_leaf() ? Extent{0, node.count} : extents[node.first / 2];
+}
+
+/// Writes the tree without holes, depth first, flattening the inner nodes that ask for it; in parallel, and the same on
+/// any number of threads. Siblings stay together, a left subtree comes before the right one, and so do primitive ids.
+/// Takes O(n) time and O(log n) stack, at any depth of the tree.
+void emit_tree(const TreeSlots& slots, Bvh& result);
+
+}  // namespace clbvh::host

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "host/emit_tree.hpp"
+#include "host/reference.hpp"
+#include "host/scratch.hpp"
+
+namespace clbvh::host {
+
+/// The growing tree of a builder that splits a range of positions at each inner node. The children of a node that is
+/// split at position s go to nodes 2s and 2s + 1: every s from 1 to n - 1 is a border once at most, so tasks need no
+/// counter, and every number of threads gives the same numbering.
+class RangeTree {
+public:
+    RangeTree(Scratch& scratch, std::size_t count)
+        : nodes_(scratch.take<Node>(2 * count)),
+          extents_(scratch.take<Extent>(count)),
+          primitive_ids_(scratch.take<std::uint32_t>(count)) {}
+
+    /// Slot of the left child of a node that is split at position `split`; the right one follows.
+    [[nodiscard]] static constexpr std::uint32_t left_child(std::uint32_t split) noexcept { return 2 * split; }
+
+    /// Makes a leaf of `references`, which begin at position `begin`. Its ids ascend, so that they do not depend on how
+    /// the references came here.
+    Extent set_leaf(std::uint32_t slot, const Box4& box, std::uint32_t begin, std::span<const Reference> references);
+
+    /// Makes an inner node, both of whose subtrees are finished.
+    Extent set_inner(std::uint32_t slot, const Box4& box, std::uint32_t split, const Extent& left,
+                     const Extent& right) noexcept {
+        nodes_[slot] = make_node(box, left_child(split), 0);
+        return extents_[split] = {left.pairs + right.pairs + 1, left.primitives + right.primitives};
+    }
+
+    [[nodiscard]] TreeSlots slots() const noexcept { return {nodes_, extents_, primitive_ids_}; }
+
+private:
+    std::span<Node> nodes_;
+    std::span<Extent> extents_;
+    std::span<std::uint32_t> primitive_ids_;
+};
+
+inline Extent RangeTree::set_leaf(std::uint32_t slot, const Box4& box, std::uint32_t begin,
+                                  std::span<const Reference> references) {
+    const auto count = static_cast<std::uint32_t>(references.size());
+    std::uint32_t* const ids = primitive_ids_.data() + begin;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        std::uint32_t place = i;
+        for (; place > 0 && ids[place - 1] > references[i].primitive; --place)
+            ids[place] = ids[place - 1];
+        ids[place] = references[i].primitive;
+    }
+    nodes_[slot] = make_node(box, begin, count);
+    return {0, count};
+}
+
+}  // namespace clbvh::host
