@@ -1,4 +1,7 @@
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
+
+#include <algorithm>
 
 #include "backend.hpp"
 #include "host/host_build.hpp"
@@ -6,12 +9,17 @@
 namespace clbvh {
 namespace {
 
+/// More threads than oneTBB may start make it print a warning, and change nothing.
+int arena_size(std::uint32_t thread_count) {
+    if (thread_count == 0) return tbb::task_arena::automatic;
+    const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    return static_cast<int>(std::min<std::size_t>(thread_count, most));
+}
+
 class HostBackend final : public Backend {
 public:
     HostBackend(const BuilderRow& row, const BuildOptions& options)
-        : algorithm_(row.host_algorithm),
-          options_(options),
-          arena_(options.thread_count == 0 ? tbb::task_arena::automatic : static_cast<int>(options.thread_count)) {}
+        : algorithm_(row.host_algorithm), options_(options), arena_(arena_size(options.thread_count)) {}
 
     void upload(const Mesh& mesh, std::uint64_t active_count) override {
         mesh_ = mesh;

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/check_field.hpp"
-#include "host/binning.hpp"
+#include "host/binned_move.hpp"
 #include "host/range_tree.hpp"
 
 namespace clbvh::host {
@@ -46,46 +46,12 @@ struct Arrays {
     Reference* other;
 };
 
-/// What moves to one side of a split.
-struct Side {
-    Box4 box;
-    Box4 centroids;
-
-    void add(const Reference& reference) noexcept {
-        const Box4 reference_box = Box4::of(reference);
-        box.merge(reference_box);
-        centroids.merge(reference_box.doubled_centroid());
-    }
-    void add(const Side& side) noexcept {
-        box.merge(side.box);
-        centroids.merge(side.centroids);
-    }
-};
-using Sides = std::array<Side, 2>;
-
 /// How a range was divided. Without a border it is to become a leaf.
 struct Division {
     std::uint32_t border = 0;  ///< Position where the right half begins; 0: none.
     Sides sides;
     Arrays arrays;  ///< Of the halves.
 };
-
-/// Moves lefts to `left` ascending and rights to below `right` descending, and adds them to `sides`.
-/// Returns the number of lefts.
-std::uint32_t move(std::span<const Reference> range, const Binning& binning, const BinnedSplit& split, Reference* left,
-                   Reference* right, Sides& sides) noexcept {
-    const Reference* const first_left = left;
-    for (const Reference& reference : range) {
-        std::int32_t bins[4];
-        binning.bins_of(reference, bins);
-        const bool goes_right = static_cast<std::uint32_t>(bins[split.axis]) >= split.bin;
-        sides[goes_right].add(reference);
-        right -= goes_right;
-        *(goes_right ? right : left) = reference;
-        left += !goes_right;
-    }
-    return static_cast<std::uint32_t>(left - first_left);
-}
 
 class BinnedSahBuilder {
 public:
@@ -118,29 +84,37 @@ private:
     }
 
     Extent build_subtree(const Job& job, const Arrays& arrays) {
+        if (job.size() < kParallelSubtree) {
+            std::uint32_t next_pair = job.begin + 1;
+            const Extent extent = build_sequentially(job, arrays, next_pair);
+            build_.stages.advance(job.size());
+            return extent;
+        }
+        const Division division = divide(job, arrays);
+        const auto [left, right] = children(job, division, division.border);
+        Extent left_extent, right_extent;
+        tbb::parallel_invoke([&] { left_extent = build_subtree(left, division.arrays); },
+                             [&] { right_extent = build_subtree(right, division.arrays); });
+        return tree_.set_inner(job.slot, job.box, division.border, left_extent, right_extent);
+    }
+
+    Extent build_sequentially(const Job& job, const Arrays& arrays, std::uint32_t& next_pair) {
         const Division division = job.size() > 1 ? divide(job, arrays) : Division{};
         if (division.border == 0) {
             return tree_.set_leaf(job.slot, job.box, job.begin, {arrays.current + job.begin, job.size()});
         }
-        const std::uint32_t slot = RangeTree::left_child(division.border);
-        const auto& [left_side, right_side] = division.sides;
-        const Job left{slot, job.begin, division.border, job.depth + 1, left_side.box, left_side.centroids};
-        const Job right{slot + 1, division.border, job.end, job.depth + 1, right_side.box, right_side.centroids};
-        Extent left_extent, right_extent;
-        if (job.size() < kParallelSubtree) {
-            left_extent = build_subtree(left, division.arrays);
-            right_extent = build_subtree(right, division.arrays);
-        } else {
-            tbb::parallel_invoke([&] { left_extent = build_task(left, division.arrays); },
-                                 [&] { right_extent = build_task(right, division.arrays); });
-        }
-        return tree_.set_inner(job.slot, job.box, division.border, left_extent, right_extent);
+        const std::uint32_t pair = next_pair++;
+        const auto [left, right] = children(job, division, pair);
+        const Extent left_extent = build_sequentially(left, division.arrays, next_pair);
+        const Extent right_extent = build_sequentially(right, division.arrays, next_pair);
+        return tree_.set_inner(job.slot, job.box, pair, left_extent, right_extent);
     }
 
-    Extent build_task(const Job& job, const Arrays& arrays) {
-        const Extent extent = build_subtree(job, arrays);
-        if (job.size() < kParallelSubtree) build_.stages.advance(job.size());
-        return extent;
+    static std::array<Job, 2> children(const Job& job, const Division& division, std::uint32_t pair) {
+        const std::uint32_t slot = RangeTree::left_child(pair);
+        const auto& [left, right] = division.sides;
+        return {{{slot, job.begin, division.border, job.depth + 1, left.box, left.centroids},
+                 {slot + 1, division.border, job.end, job.depth + 1, right.box, right.centroids}}};
     }
 
     // Not inlined: bins would stay on the stack while subtrees are built.
@@ -155,13 +129,13 @@ private:
         } else {
             BinSet bins(config_.bin_count);
             bins.add(range, binning);
-            split = bins.find_split(binning);
+            split = bins.find_split();
         }
         if (becomes_leaf(job, split)) return {};
         if (!split.found()) return halve(job, arrays);
         Division division{0, {}, {arrays.other, arrays.current}};
-        division.border =
-            job.begin + move(range, binning, split, arrays.other + job.begin, arrays.other + job.end, division.sides);
+        division.border = job.begin + move_references(range, binning, split, arrays.other + job.begin,
+                                                      arrays.other + job.end, division.sides);
         return division;
     }
 
@@ -185,7 +159,7 @@ private:
         BinSet all = bins[0];
         for (std::uint32_t c = 1; c < chunk_count; ++c)
             all.add(bins[c]);
-        const BinnedSplit split = all.find_split(binning);
+        const BinnedSplit split = all.find_split();
         if (!split.found()) return halve(job, arrays);
 
         std::vector<std::uint32_t> lefts_before(chunk_count + 1, job.begin);
@@ -195,8 +169,8 @@ private:
         std::vector<Sides> sides(chunk_count);
         tbb::parallel_for(0u, chunk_count, [&](std::uint32_t c) {
             const std::uint32_t rights_before = c * kChunk - (lefts_before[c] - job.begin);
-            move(chunk(c), binning, split, arrays.other + lefts_before[c], arrays.other + job.end - rights_before,
-                 sides[c]);
+            move_references(chunk(c), binning, split, arrays.other + lefts_before[c],
+                            arrays.other + job.end - rights_before, sides[c]);
         });
         for (const Sides& part : sides) {
             division.sides[0].add(part[0]);

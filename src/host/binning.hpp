@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
 
 #include "core/check_field.hpp"
@@ -24,16 +23,10 @@ public:
         min(offset * scale_, last_).truncate(bins);
     }
 
-    /// False along an axis that has one bin only.
-    [[nodiscard]] bool divides(std::size_t axis) const noexcept { return divides_[axis]; }
-    [[nodiscard]] std::uint32_t bin_count() const noexcept { return bin_count_; }
-
 private:
     Float4 base_;
-    Float4 scale_;
+    Float4 scale_;  ///< 0 along an axis that has one bin only.
     Float4 last_;
-    std::uint32_t bin_count_;
-    std::array<bool, 3> divides_;
 };
 
 /// A border between bins: references whose bin along `axis` is below `bin` go left.
@@ -45,37 +38,32 @@ struct BinnedSplit {
     [[nodiscard]] bool found() const noexcept { return axis < 3; }
 };
 
+/// One bin of each axis: what lies in it.
+struct alignas(64) BinRow {
+    float boxes[3][8];  ///< Along x, y and z: lower corner, and upper corner with its sign turned; a lane unused each.
+    std::int32_t counts[4];  ///< Along x, y and z; the fourth is 0.
+};
+
 /// References counted and bounded, bin by bin, along all axes.
 class BinSet {
 public:
-    explicit BinSet(std::uint32_t bin_count) noexcept : bin_count_(bin_count) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            std::fill_n(boxes_[axis].begin(), bin_count, Box4{});
-            std::fill_n(counts_[axis].begin(), bin_count, 0u);
-        }
-    }
+    explicit BinSet(std::uint32_t bin_count) noexcept;
 
     void add(std::span<const Reference> references, const Binning& binning) noexcept;
     void add(const BinSet& other) noexcept;
 
     /// The cheapest border; the first one along the first axis among equals.
-    [[nodiscard]] BinnedSplit find_split(const Binning& binning) const noexcept;
+    [[nodiscard]] BinnedSplit find_split() const noexcept;
 
     /// How many references go left.
-    [[nodiscard]] std::uint32_t count_left_of(const BinnedSplit& split) const noexcept {
-        const auto first = counts_[split.axis].begin();
-        return std::accumulate(first, first + split.bin, 0u);
-    }
+    [[nodiscard]] std::uint32_t count_left_of(const BinnedSplit& split) const noexcept;
 
 private:
-    void sweep_axis(std::uint32_t axis, BinnedSplit& best) const noexcept;
-
     std::uint32_t bin_count_;
-    std::array<std::array<Box4, kMaxBinCount>, 3> boxes_;
-    std::array<std::array<std::uint32_t, kMaxBinCount>, 3> counts_;
+    std::array<BinRow, kMaxBinCount> rows_;
 };
 
-/// As BinSet::find_split, for few references: the same split, in time that does not depend on the number of bins.
+/// As BinSet, for few references: the same split, in time that does not depend on the number of bins.
 inline constexpr std::size_t kFewReferences = 16;
 [[nodiscard]] BinnedSplit find_split_of_few(std::span<const Reference> references, const Binning& binning) noexcept;
 

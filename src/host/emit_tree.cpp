@@ -3,15 +3,19 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <array>
+#include <vector>
+
+#include "host/prefetch.hpp"
 
 namespace clbvh::host {
 namespace {
 
-/// Where one subtree goes.
-struct Place {
-    std::uint32_t node;  ///< Slot of its root in the result.
-    std::uint32_t pair;  ///< First pair of what lies below.
-    std::uint32_t id;    ///< First primitive id.
+/// What lies below an inner node that stays one, to be written.
+struct Job {
+    const Node* root;
+    std::uint32_t pair;  ///< Where its pairs begin in the result.
+    std::uint32_t id;    ///< Where its primitive ids begin there.
 };
 
 class Emitter {
@@ -22,67 +26,97 @@ public:
         const Extent whole = extent_of(slots_.nodes[0], slots_.extents);
         result_.nodes.resize(2 * (std::size_t{whole.pairs} + 1));
         result_.primitive_ids.resize(whole.primitives);
+        const Job root{&slots_.nodes[0], 1, 0};
+        result_.nodes[0] = place(root, whole);
         result_.nodes[1] = Node{};
-        tasks_.run_and_wait([this] { emit(slots_.nodes[0], {0, 1, 0}); });
+        if (whole.pairs > 0) tasks_.run_and_wait([&] { emit(root); });
     }
 
 private:
     static constexpr std::uint32_t kParallelPairs = 4096;
+    static constexpr std::size_t kBatch = 8;
 
-    /// The smaller subtree goes to a task or a call, the larger one to the next turn of the loop: so the stack stays
-    /// low whatever the tree.
-    void emit(const Node& root, Place place) {
-        const Node* node = &root;
-        while (true) {
-            const Extent extent = extent_of(*node, slots_.extents);
-            if (extent.pairs == 0) return emit_leaf(*node, extent.primitives, place);
-            Node& target = result_.nodes[place.node];
-            target = *node;
-            target.first = 2 * place.pair;
-            const Node& left = slots_.nodes[node->first];
-            const Node& right = slots_.nodes[std::size_t{node->first} + 1];
-            const Extent left_extent = extent_of(left, slots_.extents);
-            const Extent right_extent = extent_of(right, slots_.extents);
-            const Place left_place{2 * place.pair, place.pair + 1, place.id};
-            const Place right_place{2 * place.pair + 1, place.pair + 1 + left_extent.pairs,
-                                    place.id + left_extent.primitives};
-            if (left_extent.pairs < right_extent.pairs) {
-                start(left, left_extent, left_place);
-                node = &right;
-                place = right_place;
-            } else {
-                start(right, right_extent, right_place);
-                node = &left;
-                place = left_place;
+    /// Takes up small subtrees before large ones, so that few wait at any time, whatever the tree.
+    void emit(const Job& root) {
+        std::vector<Job> waiting{root};
+        while (!waiting.empty()) {
+            const std::size_t count = std::min(waiting.size(), kBatch);
+            std::array<Job, kBatch> batch;
+            std::copy_n(waiting.end() - static_cast<std::ptrdiff_t>(count), count, batch.begin());
+            waiting.resize(waiting.size() - count);
+            for (std::size_t i = 0; i < count; ++i) {
+                prefetch(&slots_.extents[child_pair(slots_.nodes[batch[i].root->first])]);
+                prefetch(&slots_.extents[child_pair(slots_.nodes[std::size_t{batch[i].root->first} + 1])]);
             }
+            for (std::size_t i = 0; i < count; ++i)
+                emit_children(batch[i], waiting);
         }
     }
 
-    void start(const Node& root, const Extent& extent, const Place& place) {
-        if (extent.pairs < kParallelPairs) {
-            emit(root, place);
+    [[nodiscard]] static std::uint32_t child_pair(const Node& node) noexcept {
+        return node.is_leaf() ? 0 : node.first / 2;
+    }
+
+    void emit_children(const Job& job, std::vector<Job>& waiting) {
+        const Node& left = slots_.nodes[job.root->first];
+        const Node& right = slots_.nodes[std::size_t{job.root->first} + 1];
+        const Extent left_extent = extent_of(left, slots_.extents);
+        const Extent right_extent = extent_of(right, slots_.extents);
+        const Job left_job{&left, job.pair + 1, job.id};
+        const Job right_job{&right, job.pair + 1 + left_extent.pairs, job.id + left_extent.primitives};
+        result_.nodes[2 * std::size_t{job.pair}] = place(left_job, left_extent);
+        result_.nodes[2 * std::size_t{job.pair} + 1] = place(right_job, right_extent);
+        if (left_extent.pairs < right_extent.pairs) {
+            wait(right_job, waiting);
+            if (left_extent.pairs > 0) start(left_job, left_extent, waiting);
+        } else if (left_extent.pairs > 0) {
+            wait(left_job, waiting);
+            if (right_extent.pairs > 0) start(right_job, right_extent, waiting);
+        }
+    }
+
+    void wait(const Job& job, std::vector<Job>& waiting) const {
+        prefetch(&slots_.nodes[job.root->first]);
+        waiting.push_back(job);
+    }
+
+    void start(const Job& job, const Extent& extent, std::vector<Job>& waiting) {
+        if (extent.pairs < kParallelPairs) return wait(job, waiting);
+        tasks_.run([this, job] { emit(job); });
+    }
+
+    /// The node itself, with the ids of a leaf.
+    Node place(const Job& job, const Extent& extent) {
+        Node node = *job.root;
+        node.first = 2 * job.pair;
+        if (extent.pairs > 0) return node;
+        node.first = job.id;
+        node.count = extent.primitives;
+        std::uint32_t* const ids = result_.primitive_ids.data() + job.id;
+        if (job.root->is_leaf()) {
+            std::copy_n(slots_.primitive_ids.data() + job.root->first, node.count, ids);
         } else {
-            tasks_.run([this, &root, place] { emit(root, place); });
+            gather(*job.root, ids, ids);
         }
+        return node;
     }
 
-    void emit_leaf(const Node& root, std::uint32_t primitives, const Place& place) {
-        Node& target = result_.nodes[place.node];
-        target = root;
-        target.first = place.id;
-        target.count = primitives;
-        std::uint32_t* next = result_.primitive_ids.data() + place.id;
-        collect_ids(root, next);
-    }
-
-    /// The ids below `root`, left to right.
-    void collect_ids(const Node& root, std::uint32_t*& next) {
-        if (root.is_leaf()) {
-            next = std::copy_n(slots_.primitive_ids.data() + root.first, root.count, next);
-            return;
+    /// Adds the ids below `root` to the ascending ones in begin .. end. Not deep: there are few.
+    std::uint32_t* gather(const Node& root, std::uint32_t* begin, std::uint32_t* end) const {
+        if (!root.is_leaf()) {
+            end = gather(slots_.nodes[root.first], begin, end);
+            return gather(slots_.nodes[std::size_t{root.first} + 1], begin, end);
         }
-        collect_ids(slots_.nodes[root.first], next);
-        collect_ids(slots_.nodes[std::size_t{root.first} + 1], next);
+        for (const std::uint32_t id : slots_.primitive_ids.subspan(root.first, root.count)) {
+            std::uint32_t* place = end;
+            while (place != begin && place[-1] > id)
+                --place;
+            if (place != begin && place[-1] == id) continue;
+            std::copy_backward(place, end, end + 1);
+            *place = id;
+            ++end;
+        }
+        return end;
     }
 
     const TreeSlots& slots_;

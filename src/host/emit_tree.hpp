@@ -13,6 +13,9 @@ struct Extent {
     std::uint32_t primitives;  ///< Primitive ids of all its leaves.
 };
 
+/// Most primitive ids below an inner node that is to be flattened, those counted that stand there more than once.
+inline constexpr std::uint32_t kMaxFlattenedIds = 256;
+
 /// A finished tree whose sibling pairs lie in slots of any order, with holes: as a builder writes it.
 struct TreeSlots {
     std::span<const Node> nodes;                   ///< The root is 0; pairs begin at even indices from 2.
@@ -26,8 +29,9 @@ struct TreeSlots {
 }
 
 /// Writes the tree without holes, depth first, flattening the inner nodes that ask for it; in parallel, and the same on
-/// any number of threads. Siblings stay together, a left subtree comes before the right one, and so do primitive ids.
-/// Takes O(n) time and O(log n) stack, at any depth of the tree.
+/// any number of threads. Siblings stay together, a left subtree comes before the right one, and so do primitive ids;
+/// in a flattened leaf they ascend, each of them once: its extent counts so. Takes O(n) time and O(log n) stack, at any
+/// depth of the tree.
 void emit_tree(const TreeSlots& slots, Bvh& result);
 
 }  // namespace clbvh::host

@@ -9,9 +9,11 @@
 
 namespace clbvh::host {
 
-/// The growing tree of a builder that splits a range of positions at each inner node. The children of a node that is
-/// split at position s go to nodes 2s and 2s + 1: every s from 1 to n - 1 is a border once at most, so tasks need no
-/// counter, and every number of threads gives the same numbering.
+/// The growing tree of a builder that splits a range of positions at each inner node. Pair p, which is nodes 2p and
+/// 2p + 1, takes the children of a node that is split at position p: every position from 1 to n - 1 is a border once at
+/// most, so tasks share no counter, and every number of threads gives the same numbering. A subtree over the positions
+/// from b to e that one task builds alone may as well take the pairs b + 1 to e - 1 in the order in which it comes by
+/// them, which is the order in which emit_tree() reads.
 class RangeTree {
 public:
     RangeTree(Scratch& scratch, std::size_t count)
@@ -19,18 +21,18 @@ public:
           extents_(scratch.take<Extent>(count)),
           primitive_ids_(scratch.take<std::uint32_t>(count)) {}
 
-    /// Slot of the left child of a node that is split at position `split`; the right one follows.
-    [[nodiscard]] static constexpr std::uint32_t left_child(std::uint32_t split) noexcept { return 2 * split; }
+    /// Slot of the left node of a pair; the right one follows.
+    [[nodiscard]] static constexpr std::uint32_t left_child(std::uint32_t pair) noexcept { return 2 * pair; }
 
     /// Makes a leaf of `references`, which begin at position `begin`. Its ids ascend, so that they do not depend on how
     /// the references came here.
     Extent set_leaf(std::uint32_t slot, const Box4& box, std::uint32_t begin, std::span<const Reference> references);
 
-    /// Makes an inner node, both of whose subtrees are finished.
-    Extent set_inner(std::uint32_t slot, const Box4& box, std::uint32_t split, const Extent& left,
+    /// Makes an inner node over `pair`, both of whose subtrees are finished.
+    Extent set_inner(std::uint32_t slot, const Box4& box, std::uint32_t pair, const Extent& left,
                      const Extent& right) noexcept {
-        nodes_[slot] = make_node(box, left_child(split), 0);
-        return extents_[split] = {left.pairs + right.pairs + 1, left.primitives + right.primitives};
+        nodes_[slot] = make_node(box, left_child(pair), 0);
+        return extents_[pair] = {left.pairs + right.pairs + 1, left.primitives + right.primitives};
     }
 
     [[nodiscard]] TreeSlots slots() const noexcept { return {nodes_, extents_, primitive_ids_}; }

@@ -1,0 +1,27 @@
+#include "support/references.hpp"
+
+#include "host/primitive_bounds.hpp"
+
+namespace clbvh::test {
+
+std::vector<host::Reference> references_of(const Mesh& mesh) {
+    std::vector<host::Reference> references(mesh.triangles.size());
+    host::copy_boxes(boxes_of(mesh), references);
+    return references;
+}
+
+std::vector<Aabb> boxes_of(const Mesh& mesh) {
+    std::vector<Aabb> boxes;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        boxes.push_back(triangle_bounds(mesh, i));
+    return boxes;
+}
+
+host::Box4 centroid_bounds_of(std::span<const host::Reference> references) {
+    host::Box4 bounds;
+    for (const host::Reference& reference : references)
+        bounds.merge(host::Box4::of(reference).doubled_centroid());
+    return bounds;
+}
+
+}  // namespace clbvh::test
