@@ -17,15 +17,26 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Calls `check` with a builder of each row in each shape.
+/// Calls `check` with a builder of each device row in each shape.
 template <typename Check>
-void for_each_builder(Check check) {
+void for_each_device_builder(Check check) {
     for (const Shape shape : {Shape::group, Shape::lane}) {
         for (const std::string_view id : device_builders()) {
             INFO(id << ", " << to_string(shape));
             Builder builder = make_builder(id, options_of(shape));
             check(builder);
         }
+    }
+}
+
+/// Calls `check` with a builder of each host row as well.
+template <typename Check>
+void for_each_builder(Check check) {
+    for_each_device_builder(check);
+    for (const std::string_view id : host_builders()) {
+        INFO(id);
+        Builder builder{id};
+        check(builder);
     }
 }
 
@@ -62,9 +73,9 @@ TEST_CASE("upload, run and download are build in three steps") {
     for_each_builder([&](Builder& builder) {
         const Bvh expected = builder.build(mesh);
         builder.upload(mesh);
-        CHECK(builder.run().launches > 0);
+        CHECK(builder.run().build_ms > 0.0);
         CHECK(same_bytes(builder.download(), expected));
-        CHECK(builder.run().launches > 0);
+        CHECK(builder.run().build_ms > 0.0);
         CHECK(same_bytes(builder.download(), expected));
         CHECK(same_bytes(builder.download(), expected));
     });
@@ -114,12 +125,58 @@ TEST_CASE("unknown builders and options out of range are refused at construction
 }
 
 TEST_CASE("one builder takes meshes that grow and shrink") {
-    for_each_builder([](Builder& builder) {
+    for_each_device_builder([](Builder& builder) {
         for (const std::uint32_t size : {10u, 5000u, 3u, 0u, 70000u, 1u, 5000u, 2u, 70001u}) {
             const Mesh mesh = generate_scene("soup", size);
             if (!expect_oracle_tree(builder, builder.build(mesh), mesh, std::to_string(size))) return;
         }
     });
+}
+
+TEST_CASE("one host builder takes meshes that grow and shrink") {
+    for (const std::string_view id : host_builders()) {
+        INFO(id);
+        Builder kept{id};
+        for (const std::uint32_t size : {10u, 5000u, 3u, 0u, 30000u, 1u, 5000u, 2u, 30001u}) {
+            const Mesh mesh = generate_scene("soup", size);
+            const Bvh bvh = kept.build(mesh);
+            CHECK(validate(bvh, mesh).error == "");
+            CHECK(same_bytes(Builder(id).build(mesh), bvh));
+        }
+    }
+}
+
+TEST_CASE("progress of host builders rises, and a build can be cancelled") {
+    const Mesh mesh = generate_scene("clustered", 20000);
+    for (const std::string_view id : host_builders()) {
+        INFO(id);
+        const Bvh expected = Builder(id).build(mesh);
+        std::size_t allowed = std::numeric_limits<std::size_t>::max(), calls = 0;
+        double last = 0.0;
+        BuildOptions options;
+        options.progress = [&](const Progress& progress) {
+            CHECK(progress.fraction >= last);
+            CHECK(progress.fraction <= 1.0);
+            CHECK_FALSE(progress.stage.empty());
+            last = progress.fraction;
+            return calls++ < allowed;
+        };
+        Builder builder(id, options);
+        CHECK(same_bytes(builder.build(mesh), expected));
+        CHECK(last > 0.5);
+        // How often it is called depends on time, but each of the stages begins with a call.
+        CHECK(calls >= 3);
+        for (allowed = 0; allowed < 3; ++allowed) {
+            last = 0.0;
+            calls = 0;
+            expect_error(ErrorCode::cancelled, {}, [&] { (void)builder.build(mesh); });
+            CHECK(calls == allowed + 1);
+            expect_error(ErrorCode::invalid_input, {"run"}, [&] { (void)builder.download(); });
+        }
+        allowed = std::numeric_limits<std::size_t>::max();
+        last = 0.0;
+        CHECK(same_bytes(builder.build(mesh), expected));
+    }
 }
 
 TEST_CASE("progress rises, and a build can be cancelled at every call") {

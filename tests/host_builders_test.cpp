@@ -20,14 +20,6 @@ using namespace clbvh::test;
 
 namespace {
 
-std::vector<std::string_view> host_builders() {
-    std::vector<std::string_view> ids;
-    for (const BuilderInfo& info : builders()) {
-        if (info.kind == BuilderKind::host) ids.push_back(info.id);
-    }
-    return ids;
-}
-
 Builder with_threads(std::string_view id, std::uint32_t threads) {
     BuildOptions options;
     options.thread_count = threads;

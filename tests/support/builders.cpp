@@ -9,6 +9,17 @@
 #include "support/tree_oracle.hpp"
 
 namespace clbvh::test {
+namespace {
+
+std::vector<std::string_view> builders_of(BuilderKind kind) {
+    std::vector<std::string_view> ids;
+    for (const BuilderInfo& info : builders()) {
+        if (info.kind == kind) ids.push_back(info.id);
+    }
+    return ids;
+}
+
+}  // namespace
 
 const Context& shared_context() {
     static const Context context = Context::open();
@@ -16,11 +27,11 @@ const Context& shared_context() {
 }
 
 std::vector<std::string_view> device_builders() {
-    std::vector<std::string_view> ids;
-    for (const BuilderInfo& info : builders()) {
-        if (info.kind == BuilderKind::device) ids.push_back(info.id);
-    }
-    return ids;
+    return builders_of(BuilderKind::device);
+}
+
+std::vector<std::string_view> host_builders() {
+    return builders_of(BuilderKind::host);
 }
 
 Builder make_builder(std::string_view id, const BuildOptions& options) {

@@ -15,6 +15,9 @@ namespace clbvh::test {
 /// Ids of the registry's device builders.
 [[nodiscard]] std::vector<std::string_view> device_builders();
 
+/// Ids of the registry's host builders.
+[[nodiscard]] std::vector<std::string_view> host_builders();
+
 /// A builder on the shared context.
 [[nodiscard]] Builder make_builder(std::string_view id, const BuildOptions& options = {});
 
