@@ -91,10 +91,10 @@ private:
             return extent;
         }
         const Division division = divide(job, arrays);
-        const auto [left, right] = children(job, division, division.border);
+        const std::array<Job, 2> halves = children(job, division, division.border);
         Extent left_extent, right_extent;
-        tbb::parallel_invoke([&] { left_extent = build_subtree(left, division.arrays); },
-                             [&] { right_extent = build_subtree(right, division.arrays); });
+        tbb::parallel_invoke([&] { left_extent = build_subtree(halves[0], division.arrays); },
+                             [&] { right_extent = build_subtree(halves[1], division.arrays); });
         return tree_.set_inner(job.slot, job.box, division.border, left_extent, right_extent);
     }
 
