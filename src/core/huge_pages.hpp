@@ -8,6 +8,7 @@
 namespace clbvh {
 
 struct FreeMemory {
+    // The memory comes from std::aligned_alloc. NOLINTNEXTLINE(cppcoreguidelines-no-malloc)
     void operator()(void* memory) const noexcept { std::free(memory); }
 };
 

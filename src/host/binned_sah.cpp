@@ -152,7 +152,7 @@ private:
         const std::uint32_t chunk_count = (job.size() + kChunk - 1) / kChunk;
         std::vector<BinSet> bins(chunk_count, BinSet(config_.bin_count));
         const auto chunk = [&](std::uint32_t c) {
-            return std::span<const Reference>(arrays.current + job.begin + c * kChunk,
+            return std::span<const Reference>(arrays.current + job.begin + std::size_t{c} * kChunk,
                                               std::min(kChunk, job.size() - c * kChunk));
         };
         tbb::parallel_for(0u, chunk_count, [&](std::uint32_t c) { bins[c].add(chunk(c), binning); });

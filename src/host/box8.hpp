@@ -61,8 +61,8 @@ struct Box8Pair {
 
 /// The same in one register, for CLBVH_AVX2_FUNCTIONs alone.
 struct Box8Avx {
-    typedef float Lanes __attribute__((vector_size(32), may_alias));
-    typedef std::uint32_t Bits __attribute__((vector_size(32), may_alias));
+    using Lanes [[gnu::vector_size(32), gnu::may_alias]] = float;
+    using Bits [[gnu::vector_size(32), gnu::may_alias]] = std::uint32_t;
     Lanes lanes;
 
     static CLBVH_ALWAYS_INLINE Box8Avx of(const Reference& reference) noexcept {
