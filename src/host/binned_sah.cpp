@@ -15,6 +15,7 @@
 
 #include "core/check_field.hpp"
 #include "host/binned_move.hpp"
+#include "host/cost_unit.hpp"
 #include "host/range_tree.hpp"
 
 namespace clbvh::host {
@@ -123,15 +124,16 @@ private:
         if (job.depth >= kMaxSahDepth) return job.size() <= config_.max_leaf_size ? Division{} : halve(job, arrays);
         if (job.size() >= kParallelRange) return divide_in_parallel(job, arrays, binning);
         const std::span<const Reference> range(arrays.current + job.begin, job.size());
+        const float unit = cost_unit(job.box.half_area());
         BinnedSplit split;
         if (job.size() <= kFewReferences) {
-            split = find_split_of_few(range, binning);
+            split = find_split_of_few(range, binning, unit);
         } else {
             BinSet bins(config_.bin_count);
             bins.add(range, binning);
-            split = bins.find_split();
+            split = bins.find_split(unit);
         }
-        if (becomes_leaf(job, split)) return {};
+        if (becomes_leaf(job, split, unit)) return {};
         if (!split.found()) return halve(job, arrays);
         Division division{0, {}, {arrays.other, arrays.current}};
         division.border = job.begin + move_references(range, binning, split, arrays.other + job.begin,
@@ -139,10 +141,10 @@ private:
         return division;
     }
 
-    [[nodiscard]] bool becomes_leaf(const Job& job, const BinnedSplit& split) const {
+    [[nodiscard]] bool becomes_leaf(const Job& job, const BinnedSplit& split, float unit) const {
         if (job.size() > config_.max_leaf_size) return false;
         if (!split.found()) return true;
-        const float area = job.box.half_area();
+        const float area = job.box.half_area() * unit;
         return config_.primitive_cost * static_cast<float>(job.size()) * area <=
                config_.inner_cost * area + config_.primitive_cost * split.cost;
     }
@@ -159,7 +161,7 @@ private:
         BinSet all = bins[0];
         for (std::uint32_t c = 1; c < chunk_count; ++c)
             all.add(bins[c]);
-        const BinnedSplit split = all.find_split();
+        const BinnedSplit split = all.find_split(cost_unit(job.box.half_area()));
         if (!split.found()) return halve(job, arrays);
 
         std::vector<std::uint32_t> lefts_before(chunk_count + 1, job.begin);

@@ -70,24 +70,26 @@ struct Sweep {
         count = count + Int4::load(row.counts);
     }
     /// Not a number where nothing is on this side: infinite extents, of nothing.
-    [[nodiscard]] CLBVH_ALWAYS_INLINE Float4 cost() const noexcept {
-        return half_areas_of_extents(x.negated_extents(), y.negated_extents(), z.negated_extents()) * count.to_float();
+    [[nodiscard]] CLBVH_ALWAYS_INLINE Float4 cost(Float4 unit) const noexcept {
+        return half_areas_of_extents(x.negated_extents(), y.negated_extents(), z.negated_extents()) *
+               (count.to_float() * unit);
     }
 };
 
 template <typename Box>
-CLBVH_ALWAYS_INLINE BinnedSplit find_border(const BinRow* rows, std::uint32_t row_count) noexcept {
+CLBVH_ALWAYS_INLINE BinnedSplit find_border(const BinRow* rows, std::uint32_t row_count, float unit) noexcept {
+    const Float4 units = Float4::filled(unit);
     std::array<Float4, kMaxBinCount> right_costs;
     Sweep<Box> right(rows[row_count - 1]);
     for (std::uint32_t bin = row_count - 1; bin > 0; --bin) {
-        right_costs[bin] = right.cost();
+        right_costs[bin] = right.cost(units);
         right.add(rows[bin - 1]);
     }
     Float4 best_cost = Float4::filled(kInfinity);
     Float4 best_bin = Float4::filled(0.0f);
     Sweep<Box> left(rows[0]);
     for (std::uint32_t bin = 1; bin < row_count; ++bin) {
-        const Float4 cost = left.cost() + right_costs[bin];
+        const Float4 cost = left.cost(units) + right_costs[bin];
         best_bin = select_less(cost, best_cost, Float4::filled(static_cast<float>(bin)), best_bin);
         best_cost = select_less(cost, best_cost, cost, best_cost);
         left.add(rows[bin]);
@@ -112,8 +114,8 @@ static_assert(kMaxBinCount <= 64);
 
 /// Only bins that hold something get a row.
 template <typename Box>
-CLBVH_ALWAYS_INLINE BinnedSplit find_border_of_few(std::span<const Reference> references,
-                                                   const Binning& binning) noexcept {
+CLBVH_ALWAYS_INLINE BinnedSplit find_border_of_few(std::span<const Reference> references, const Binning& binning,
+                                                   float unit) noexcept {
     std::array<std::array<std::int32_t, 4>, kFewReferences> bins;
     std::array<BinMask, 3> occupied{};
     for (std::size_t i = 0; i < references.size(); ++i) {
@@ -131,7 +133,7 @@ CLBVH_ALWAYS_INLINE BinnedSplit find_border_of_few(std::span<const Reference> re
         for (std::size_t axis = 0; axis < 3; ++axis)
             add_to_row(rows.data(), rank(occupied[axis], bins[i][axis]), axis, box);
     }
-    BinnedSplit split = find_border<Box>(rows.data(), static_cast<std::uint32_t>(row_count));
+    BinnedSplit split = find_border<Box>(rows.data(), static_cast<std::uint32_t>(row_count), unit);
     if (!split.found()) return split;
     // From the number of occupied bins on the left to the bin behind the last of them.
     BinMask left = occupied[split.axis];
@@ -146,12 +148,12 @@ CLBVH_AVX2_FUNCTION void add_references_avx2(BinRow* rows, std::span<const Refer
                                              const Binning& binning) noexcept {
     add_references<Box8Avx>(rows, references, binning);
 }
-CLBVH_AVX2_FUNCTION BinnedSplit find_border_avx2(const BinRow* rows, std::uint32_t row_count) noexcept {
-    return find_border<Box8Avx>(rows, row_count);
+CLBVH_AVX2_FUNCTION BinnedSplit find_border_avx2(const BinRow* rows, std::uint32_t row_count, float unit) noexcept {
+    return find_border<Box8Avx>(rows, row_count, unit);
 }
-CLBVH_AVX2_FUNCTION BinnedSplit find_border_of_few_avx2(std::span<const Reference> references,
-                                                        const Binning& binning) noexcept {
-    return find_border_of_few<Box8Avx>(references, binning);
+CLBVH_AVX2_FUNCTION BinnedSplit find_border_of_few_avx2(std::span<const Reference> references, const Binning& binning,
+                                                        float unit) noexcept {
+    return find_border_of_few<Box8Avx>(references, binning, unit);
 }
 #else
 constexpr auto add_references_avx2 = add_references<Box8Pair>;
@@ -200,8 +202,8 @@ void BinSet::add(const BinSet& other) noexcept {
     }
 }
 
-BinnedSplit BinSet::find_split() const noexcept {
-    return (use_avx2 ? find_border_avx2 : find_border<Box8Pair>)(rows_.data(), bin_count_);
+BinnedSplit BinSet::find_split(float unit) const noexcept {
+    return (use_avx2 ? find_border_avx2 : find_border<Box8Pair>)(rows_.data(), bin_count_, unit);
 }
 
 std::uint32_t BinSet::count_left_of(const BinnedSplit& split) const noexcept {
@@ -211,8 +213,8 @@ std::uint32_t BinSet::count_left_of(const BinnedSplit& split) const noexcept {
     return static_cast<std::uint32_t>(count);
 }
 
-BinnedSplit find_split_of_few(std::span<const Reference> references, const Binning& binning) noexcept {
-    return (use_avx2 ? find_border_of_few_avx2 : find_border_of_few<Box8Pair>)(references, binning);
+BinnedSplit find_split_of_few(std::span<const Reference> references, const Binning& binning, float unit) noexcept {
+    return (use_avx2 ? find_border_of_few_avx2 : find_border_of_few<Box8Pair>)(references, binning, unit);
 }
 
 }  // namespace clbvh::host

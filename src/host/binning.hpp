@@ -31,7 +31,7 @@ private:
 
 /// A border between bins: references whose bin along `axis` is below `bin` go left.
 struct BinnedSplit {
-    float cost = std::numeric_limits<float>::infinity();  ///< Half area times references, left and right together.
+    float cost = std::numeric_limits<float>::infinity();  ///< Half area times weight, left and right together.
     std::uint32_t axis = 3;                               ///< 3: there is no border between two references.
     std::uint32_t bin = 0;
 
@@ -52,8 +52,8 @@ public:
     void add(std::span<const Reference> references, const Binning& binning) noexcept;
     void add(const BinSet& other) noexcept;
 
-    /// The cheapest border; the first one along the first axis among equals.
-    [[nodiscard]] BinnedSplit find_split() const noexcept;
+    /// The cheapest border, where each reference weighs `unit`; the first one along the first axis among equals.
+    [[nodiscard]] BinnedSplit find_split(float unit = 1.0f) const noexcept;
 
     /// How many references go left.
     [[nodiscard]] std::uint32_t count_left_of(const BinnedSplit& split) const noexcept;
@@ -65,6 +65,7 @@ private:
 
 /// As BinSet, for few references: the same split, in time that does not depend on the number of bins.
 inline constexpr std::size_t kFewReferences = 16;
-[[nodiscard]] BinnedSplit find_split_of_few(std::span<const Reference> references, const Binning& binning) noexcept;
+[[nodiscard]] BinnedSplit find_split_of_few(std::span<const Reference> references, const Binning& binning,
+                                            float unit = 1.0f) noexcept;
 
 }  // namespace clbvh::host

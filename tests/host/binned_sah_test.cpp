@@ -218,6 +218,24 @@ TEST_CASE("binned-sah keeps its depth where every split takes one box away") {
     CHECK(depth <= 288);
 }
 
+TEST_CASE("binned-sah builds the same tree where costs would overflow") {
+    Mesh mesh = generate_scene("clustered", 3000);
+    const auto scaled = [&](float scale) {
+        Mesh result = mesh;
+        for (Vec3& v : result.vertices)
+            v = {v.x * scale, v.y * scale, v.z * scale};
+        return build_binned_sah(boxes_of(result));
+    };
+    // Powers of two change no bit of a mantissa.
+    const Bvh small = scaled(0x1p-3f), large = scaled(0x1p57f);
+    REQUIRE(large.nodes.size() == small.nodes.size());
+    for (std::size_t i = 0; i < small.nodes.size(); ++i) {
+        CHECK(large.nodes[i].first == small.nodes[i].first);
+        CHECK(large.nodes[i].count == small.nodes[i].count);
+    }
+    CHECK(large.primitive_ids == small.primitive_ids);
+}
+
 TEST_CASE("more bins make better trees, one axis worse ones") {
     const std::vector<Aabb> boxes = boxes_of(generate_scene("city", 20000));
     BinnedSahConfig few, longest;
