@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "clbvh/core/validate.hpp"
 #include "clbvh/io/scene.hpp"
@@ -219,7 +220,10 @@ TEST_CASE("binned-sah keeps its depth where every split takes one box away") {
 }
 
 TEST_CASE("binned-sah builds the same tree where costs would overflow") {
-    Mesh mesh = generate_scene("clustered", 3000);
+    const Mesh mesh = generate_scene("clustered", 20000);
+    float largest = 0.0f;
+    for (const Vec3& v : mesh.vertices)
+        largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     const auto scaled = [&](float scale) {
         Mesh result = mesh;
         for (Vec3& v : result.vertices)
@@ -227,7 +231,8 @@ TEST_CASE("binned-sah builds the same tree where costs would overflow") {
         return build_binned_sah(boxes_of(result));
     };
     // Powers of two change no bit of a mantissa.
-    const Bvh small = scaled(0x1p-3f), large = scaled(0x1p57f);
+    const Bvh small = scaled(0x1p-3f);
+    const Bvh large = scaled(std::exp2(std::floor(std::log2(kMaxCoordinate / largest))));
     REQUIRE(large.nodes.size() == small.nodes.size());
     for (std::size_t i = 0; i < small.nodes.size(); ++i) {
         CHECK(large.nodes[i].first == small.nodes[i].first);
