@@ -1,9 +1,15 @@
 #include "clbvh/builder.hpp"
 
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
 #include <optional>
 
 #include "backend.hpp"
 #include "clbvh/core/error.hpp"
+#include "finish_stage.hpp"
+#include "presplit_stage.hpp"
 
 namespace clbvh {
 namespace {
@@ -16,24 +22,62 @@ std::optional<Context> open_context_for(std::string_view builder_id, const Build
     return Context::open();
 }
 
+/// More threads than oneTBB may start make it print a warning, and change nothing.
+int arena_size(std::uint32_t thread_count) {
+    if (thread_count == 0) return tbb::task_arena::automatic;
+    const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    return static_cast<int>(std::min<std::size_t>(thread_count, most));
+}
+
+/// The builder's part of a build that has stages before and behind it.
+struct Share {
+    double begin;
+    double end;
+};
+Share share_of_builder(const BuildOptions& options) {
+    const bool is_presplit = options.presplit_level > 0;
+    const bool is_finished = is_presplit || options.max_leaf_size > 0;
+    return {is_presplit ? 0.1 : 0.0, is_finished ? 0.9 : 1.0};
+}
+
+BuildOptions options_of_builder(const BuildOptions& options) {
+    BuildOptions result = options;
+    if (!options.progress) return result;
+    result.progress = [progress = options.progress, share = share_of_builder(options)](const Progress& p) {
+        return progress({p.stage, share.begin + p.fraction * (share.end - share.begin)});
+    };
+    return result;
+}
+
 }  // namespace
 
 struct Builder::State {
     State(std::string_view builder_id, std::optional<Context> chosen_context, const BuildOptions& chosen_options)
         : row(find_builder_row(builder_id)), context(std::move(chosen_context)), options(chosen_options) {
         check_options(options);
+        backend_options = options_of_builder(options);
+        arena.initialize(arena_size(options.thread_count));
         if (row.info.kind == BuilderKind::host) {
             context.reset();
-            backend = make_host_backend(row, options);
+            backend = make_host_backend(row, backend_options, arena);
         } else {
-            backend = make_device_backend(row, options, *context);
+            backend = make_device_backend(row, backend_options, *context);
         }
     }
+
+    [[nodiscard]] bool is_presplit() const noexcept { return options.presplit_level > 0; }
+    [[nodiscard]] bool is_finished_here() const noexcept { return is_presplit() || options.max_leaf_size > 0; }
 
     const BuilderRow& row;
     std::optional<Context> context;  // absent for host builders
     BuildOptions options;
+    BuildOptions backend_options;  // the same, save that progress is a part of the whole
+    tbb::task_arena arena;
     std::unique_ptr<Backend> backend;
+    PresplitStage presplit{row, options};
+    FinishStage finish{options};
+    std::uint64_t primitive_count = 0;
+    std::uint64_t inactive_primitives = 0;
     bool uploaded = false;
     bool finished = false;  // the backend holds a tree over its mesh
 };
@@ -50,10 +94,16 @@ Builder::~Builder() = default;
 
 void Builder::upload(const Mesh& mesh) {
     State& state = *state_;
-    const std::uint64_t inactive = check_mesh(mesh);
+    state.inactive_primitives = state.arena.execute([&] { return check_mesh(mesh); });
+    state.primitive_count = mesh.triangles.size();
     state.finished = false;
     state.uploaded = false;
-    state.backend->upload(mesh, mesh.triangles.size() - inactive);
+    if (state.is_presplit()) {
+        state.arena.execute([&] { state.presplit.run(mesh, share_of_builder(state.options).begin); });
+        state.backend->upload_parts(state.presplit.boxes(), state.presplit.triangles());
+    } else {
+        state.backend->upload(mesh, state.primitive_count - state.inactive_primitives);
+    }
     state.uploaded = true;
 }
 
@@ -64,6 +114,13 @@ BuildStats Builder::run() {
     }
     state.finished = false;
     BuildStats stats = state.backend->run();
+    stats.inactive_primitives = state.inactive_primitives;
+    if (state.is_presplit()) state.presplit.book(stats);
+    if (state.is_finished_here()) {
+        const FinishStage::Input input{state.primitive_count, state.presplit.sources(), state.is_presplit()};
+        const double begin = share_of_builder(state.options).end;
+        state.arena.execute([&] { state.finish.run(*state.backend, input, begin, stats); });
+    }
     state.finished = true;
     return stats;
 }
@@ -73,7 +130,7 @@ Bvh Builder::download() const {
     if (!state.finished) {
         throw Error(ErrorCode::invalid_input, "there is no finished tree; call run() before download()");
     }
-    return state.backend->download();
+    return state.is_finished_here() ? state.finish.tree() : state.backend->download();
 }
 
 Bvh Builder::build(const Mesh& mesh, BuildStats* stats) {

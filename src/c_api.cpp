@@ -91,6 +91,12 @@ clbvh::Mesh copy_mesh(const float* vertices, std::uint64_t vertex_count, const s
     return mesh;
 }
 
+clbvh::Builder make_builder(const char* id, const char* device, const clbvh::BuildOptions& options) {
+    if (clbvh::find_builder(id).kind == clbvh::BuilderKind::host) return clbvh::Builder(id, options);
+    clbvh::check_options(options);  // before a device is opened
+    return {id, clbvh::Context::open(device != nullptr ? device : ""), options};
+}
+
 }  // namespace
 
 void clbvh_default_options(clbvh_options* options, uint32_t size) {
@@ -108,10 +114,7 @@ clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh
         *builder = nullptr;
         require(id != nullptr, "id is null");
         const clbvh::BuildOptions build_options = to_build_options(options);
-        static_cast<void>(clbvh::find_builder(id));
-        clbvh::check_options(build_options);
-        clbvh::Context context = clbvh::Context::open(device != nullptr ? device : "");
-        *builder = new clbvh_builder{clbvh::Builder(id, std::move(context), build_options), {}};
+        *builder = new clbvh_builder{make_builder(id, device, build_options), {}};
     });
 }
 
@@ -142,6 +145,10 @@ const uint32_t* clbvh_primitive_ids(const clbvh_builder* builder, uint64_t* coun
         *count = empty ? 0 : builder->bvh.primitive_ids.size();
     }
     return empty ? nullptr : builder->bvh.primitive_ids.data();
+}
+
+int clbvh_has_split_references(const clbvh_builder* builder) {
+    return builder != nullptr && builder->bvh.split_references ? 1 : 0;
 }
 
 const char* clbvh_last_error(void) {

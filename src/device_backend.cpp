@@ -42,31 +42,45 @@ public:
         return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, buffers_);
     }
 
+    void upload_parts(const Mesh& boxes, const Mesh&) override { upload(boxes, boxes.triangles.size()); }
+
     Bvh download() const override {
         Bvh bvh;
-        bvh.primitive_count = mesh_.primitive_count;
+        read_tree(bvh);
+        return bvh;
+    }
+
+    Bvh& tree() override {
+        read_tree(downloaded_);
+        return downloaded_;
+    }
+    bool is_remote() const noexcept override { return true; }
+
+    Shape shape() const noexcept override { return settings_.shape; }
+
+private:
+    void read_tree(Bvh& bvh) const {
         const std::size_t leaf_count = mesh_.active_count;
-        if (leaf_count == 0) return bvh;
+        bvh.primitive_count = mesh_.primitive_count;
+        bvh.split_references = false;
         bvh.nodes.resize(2 * leaf_count);
         bvh.primitive_ids.resize(leaf_count);
+        if (leaf_count == 0) return;
         with_opencl_errors("downloading the tree", [&] {
             const cl::CommandQueue& queue = context_.session().queue();
             queue.enqueueReadBuffer(buffers_.nodes, CL_TRUE, 0, bvh.nodes.size() * sizeof(Node), bvh.nodes.data());
             queue.enqueueReadBuffer(buffers_.primitive_ids, CL_TRUE, 0, leaf_count * sizeof(std::uint32_t),
                                     bvh.primitive_ids.data());
         });
-        return bvh;
     }
 
-    Shape shape() const noexcept override { return settings_.shape; }
-
-private:
     const device::DeviceAlgorithm& algorithm_;
     const BuildOptions& options_;
     Context context_;
     device::BuildSettings settings_;
     device::BuildBuffers buffers_;
     device::DeviceMesh mesh_;
+    Bvh downloaded_;
 };
 
 }  // namespace

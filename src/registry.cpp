@@ -5,8 +5,12 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "host/aac.hpp"
 #include "host/binned_sah.hpp"
+#include "host/locally_ordered.hpp"
 #include "host/median.hpp"
+#include "host/sbvh.hpp"
+#include "host/sweep_sah.hpp"
 #include "registry_rows.hpp"
 
 namespace clbvh {
@@ -32,6 +36,42 @@ void run_median(host::HostBuild& build, const BuildOptions& options) {
     host::build_median(build, with_leaf_size(MedianConfig{}, options));
 }
 
+void run_sbvh(host::HostBuild& build, const BuildOptions& options) {
+    SbvhConfig config;
+    config.bin_count = options.bin_count;
+    config.spatial_bin_count = options.bin_count;
+    config.alpha = options.split_alpha;
+    config.reference_budget = options.reference_budget;
+    config.inner_cost = options.inner_cost;
+    config.primitive_cost = options.primitive_cost;
+    host::build_sbvh(build, with_leaf_size(config, options));
+}
+
+void run_sweep_sah(host::HostBuild& build, const BuildOptions& options) {
+    SweepSahConfig config;
+    config.inner_cost = options.inner_cost;
+    config.primitive_cost = options.primitive_cost;
+    host::build_sweep_sah(build, with_leaf_size(config, options));
+}
+
+void run_locally_ordered(host::HostBuild& build, const BuildOptions&) {
+    host::build_locally_ordered(build);
+}
+
+void run_aac(host::HostBuild& build, AacConfig config, const BuildOptions& options) {
+    config.inner_cost = options.inner_cost;
+    config.primitive_cost = options.primitive_cost;
+    host::build_aac(build, with_leaf_size(config, options));
+}
+
+void run_aac_hq(host::HostBuild& build, const BuildOptions& options) {
+    run_aac(build, AacConfig::hq(), options);
+}
+
+void run_aac_fast(host::HostBuild& build, const BuildOptions& options) {
+    run_aac(build, AacConfig::fast(), options);
+}
+
 // The table of builders. A new builder is one row here.
 const BuilderRow kRows[] = {
     {{"ploc", "PLOC: nearest neighbours in Morton order, five kernels an iteration", "Meister, Bittner 2018",
@@ -54,6 +94,27 @@ const BuilderRow kRows[] = {
       BuilderKind::host, false},
      nullptr,
      run_binned_sah},
+    {{"sbvh", "SBVH: top-down binned SAH that may cut primitives in two where their boxes overlap",
+      "Stich, Friedrich, Dietrich 2009", BuilderKind::host, false},
+     nullptr,
+     run_sbvh},
+    {{"sweep-sah", "Sweep SAH: top-down, the surface area heuristic between any two primitives in centroid order",
+      "MacDonald, Booth 1990", BuilderKind::host, false},
+     nullptr,
+     run_sweep_sah},
+    {{"aac-hq", "AAC-HQ: approximate agglomerative clustering, delta 20, epsilon 0.1",
+      "Gu, He, Fatahalian, Blelloch 2013", BuilderKind::host, false},
+     nullptr,
+     run_aac_hq},
+    {{"aac-fast", "AAC-Fast: approximate agglomerative clustering, delta 4, epsilon 0.2",
+      "Gu, He, Fatahalian, Blelloch 2013", BuilderKind::host, false},
+     nullptr,
+     run_aac_fast},
+    {{"locally-ordered",
+      "Locally-ordered clustering: the exact greedy tree, bottom-up, with a kd-tree over the clusters",
+      "Walter, Bala, Kulkarni, Pingali 2008", BuilderKind::host, false},
+     nullptr,
+     run_locally_ordered},
     {{"median", "Object median on the longest axis: the floor that everything must beat", "folklore", BuilderKind::host,
       false},
      nullptr,

@@ -51,6 +51,28 @@ TEST_CASE("the C interface gives the C++ interface's tree") {
     CHECK(std::memcmp(ids, expected.primitive_ids.data(), id_count * sizeof(std::uint32_t)) == 0);
 }
 
+TEST_CASE("host builders work through the C interface without any device") {
+    const Mesh mesh = clbvh::generate_scene("hair", 2000);
+    for (const clbvh::BuilderInfo& info : clbvh::builders()) {
+        if (info.kind != clbvh::BuilderKind::host) continue;
+        INFO(info.id);
+        CBuilder c;
+        REQUIRE(clbvh_create_builder(std::string(info.id).c_str(), "no such device", nullptr, &c.handle) == CLBVH_OK);
+        CHECK(clbvh_has_split_references(c.handle) == 0);
+        REQUIRE(build(c.handle, mesh) == CLBVH_OK);
+        const clbvh::Bvh expected = clbvh::build(mesh, info.id);
+        std::uint64_t node_count = 0;
+        std::uint64_t id_count = 0;
+        const clbvh_node* nodes = clbvh_nodes(c.handle, &node_count);
+        const std::uint32_t* ids = clbvh_primitive_ids(c.handle, &id_count);
+        REQUIRE(node_count == expected.nodes.size());
+        CHECK(std::memcmp(nodes, expected.nodes.data(), node_count * sizeof(clbvh_node)) == 0);
+        CHECK(std::vector(ids, ids + id_count) == expected.primitive_ids);
+        CHECK(clbvh_has_split_references(c.handle) == (expected.split_references ? 1 : 0));
+        CHECK(((id_count > mesh.triangles.size()) == expected.split_references));
+    }
+}
+
 TEST_CASE("the C interface works from a C program") {
     CHECK(clbvh_c_consumer() == 0);
 }
@@ -73,6 +95,7 @@ TEST_CASE("the C interface reports failures as codes and messages") {
     CHECK(clbvh_build(nullptr, nullptr, 0, nullptr, 0) == CLBVH_INVALID_INPUT);
     std::uint64_t count = 1;
     CHECK(clbvh_nodes(nullptr, &count) == nullptr);
+    CHECK(clbvh_has_split_references(nullptr) == 0);
     CHECK(count == 0);
 }
 

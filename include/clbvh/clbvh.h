@@ -46,7 +46,8 @@ typedef struct clbvh_options {
     void* progress_user;             /**< Handed to `progress`. */
 } clbvh_options;
 
-/** A builder on a device, with its programs, its memory and the last finished tree. One thread at a time. */
+/** A builder, on a device or on the host, with its programs, its memory and the last finished tree. One thread at a
+    time. */
 typedef struct clbvh_builder clbvh_builder;
 
 /** Fills the first `size` bytes of `options` with the defaults, and its field `size`. Pass sizeof(clbvh_options): a
@@ -54,7 +55,8 @@ typedef struct clbvh_builder clbvh_builder;
 void clbvh_default_options(clbvh_options* options, uint32_t size);
 
 /** Creates builder `id` ("plocpp", ...) on the device that `device` picks (null or "": the default, see
-    clbvh::pick_device). `options` may be null. `*builder` is null after a failure. */
+    clbvh::pick_device). Builders of the host ("binned-sah", ...) need no device and ignore `device`. `options` may be
+    null. `*builder` is null after a failure. */
 clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh_options* options,
                                  clbvh_builder** builder);
 
@@ -69,8 +71,12 @@ clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t 
 /** The tree of the last clbvh_build, valid until the next; `*count` becomes its length. Null and 0 where there is none.
  */
 const clbvh_node* clbvh_nodes(const clbvh_builder* builder, uint64_t* count);
-/** The primitive ids that leaves refer to; as clbvh_nodes. */
+/** The primitive ids that leaves refer to; as clbvh_nodes. Each id of an active triangle once, unless
+    clbvh_has_split_references. */
 const uint32_t* clbvh_primitive_ids(const clbvh_builder* builder, uint64_t* count);
+/** 1 where the builder was free to cut triangles in parts, else 0. Then an id may repeat, in different leaves, whose
+    boxes cover the triangle together, and there may be more ids than triangles. */
+int clbvh_has_split_references(const clbvh_builder* builder);
 
 /** What the last failed call of this thread says; never null. */
 const char* clbvh_last_error(void);

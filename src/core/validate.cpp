@@ -4,10 +4,14 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
+#include <optional>
+#include <sstream>
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "core/coverage.hpp"
 
 namespace clbvh {
 namespace {
@@ -18,6 +22,16 @@ std::string name_node(std::size_t node) {
 
 std::string name_primitive(std::size_t primitive) {
     return "primitive " + std::to_string(primitive);
+}
+
+/// False also where `box` has a NaN or is inverted.
+bool lies_within(const Aabb& box, const Aabb& outer) {
+    const auto axis_within = [](float outer_lower, float lower, float upper, float outer_upper) {
+        return outer_lower <= lower && lower <= upper && upper <= outer_upper;
+    };
+    return axis_within(outer.lower.x, box.lower.x, box.upper.x, outer.upper.x) &&
+           axis_within(outer.lower.y, box.lower.y, box.upper.y, outer.upper.y) &&
+           axis_within(outer.lower.z, box.lower.z, box.upper.z, outer.upper.z);
 }
 
 /// One validation. Every check returns what is wrong, or nothing.
@@ -32,6 +46,8 @@ public:
     }
 
 private:
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
     struct Visit {
         std::uint32_t node;
         std::uint32_t depth;
@@ -44,7 +60,8 @@ private:
         if (std::string fault = check_node_array(); !fault.empty()) return fault;
         if (std::string fault = walk(); !fault.empty()) return fault;
         if (std::string fault = check_contents(); !fault.empty()) return fault;
-        return find_missing_primitive();
+        if (std::string fault = find_missing_primitive(); !fault.empty()) return fault;
+        return bvh_.split_references ? check_coverage() : std::string{};
     }
 
     std::string check_input() {
@@ -65,11 +82,13 @@ private:
     }
 
     /// Visits all nodes from the root, parents before children, left before right. Proves that they form a tree whose
-    /// references are in range, and that no primitive is referred to twice.
+    /// references are in range, that no primitive is referred to twice from one leaf, and, where references are not
+    /// split, from two leaves neither.
     std::string walk() {
         order_.reserve(bvh_.nodes.size());
         pair_reached_.assign(bvh_.nodes.size() / 2, false);
-        primitive_reached_.assign(mesh_.triangles.size(), false);
+        leaf_of_primitive_.assign(mesh_.triangles.size(), kNone);
+        if (bvh_.split_references) id_reached_.assign(bvh_.primitive_ids.size(), false);
         pair_reached_[0] = true;
         std::vector<Visit> stack{{0, 0}};
         while (!stack.empty()) {
@@ -115,17 +134,30 @@ private:
                    std::to_string(bvh_.primitive_ids.size()) + " primitive ids";
         }
         for (std::uint64_t slot = node.first; slot < end; ++slot) {
-            const std::uint32_t primitive = bvh_.primitive_ids[slot];
-            if (primitive >= mesh_.triangles.size()) {
-                return name_node(index) + ": " + name_primitive(primitive) + " is out of range (the mesh has " +
-                       std::to_string(mesh_.triangles.size()) + " triangles)";
-            }
-            if (primitive_reached_[primitive]) {
-                return name_node(index) + ": " + name_primitive(primitive) + " is in the tree a second time";
-            }
-            primitive_reached_[primitive] = true;
-            ++primitives_reached_;
+            if (std::string fault = enter_reference(index, slot); !fault.empty())
+                return name_node(index) + ": " + fault;
         }
+        return {};
+    }
+
+    std::string enter_reference(std::size_t leaf, std::size_t slot) {
+        const std::uint32_t primitive = bvh_.primitive_ids[slot];
+        if (primitive >= mesh_.triangles.size()) {
+            return name_primitive(primitive) + " is out of range (the mesh has " +
+                   std::to_string(mesh_.triangles.size()) + " triangles)";
+        }
+        std::uint32_t& known_leaf = leaf_of_primitive_[primitive];
+        if (known_leaf == leaf) return name_primitive(primitive) + " is in this leaf a second time";
+        if (known_leaf != kNone && !bvh_.split_references) {
+            return name_primitive(primitive) + " is in the tree a second time";
+        }
+        if (bvh_.split_references) {
+            // Else a small array of ids could be walked once for each of many leaves.
+            if (id_reached_[slot]) return "primitive id " + std::to_string(slot) + " belongs to another leaf";
+            id_reached_[slot] = true;
+        }
+        if (known_leaf == kNone) ++primitives_reached_;
+        known_leaf = static_cast<std::uint32_t>(leaf);
         return {};
     }
 
@@ -160,7 +192,12 @@ private:
             expected = merge(bvh_.nodes[node.first].bounds(), bvh_.nodes[std::size_t{node.first} + 1].bounds());
         }
         // As floats, not as bytes: a box that starts at -0 equals one that starts at +0.
-        if (node.bounds() == expected) return {};
+        const Aabb box = node.bounds();
+        if (node.is_leaf() && bvh_.split_references) {
+            if (lies_within(box, expected)) return {};
+            return name_node(index) + ": its box is not within the union of its primitives";
+        }
+        if (box == expected) return {};
         return name_node(index) + ": its box is not the union of its " + (node.is_leaf() ? "primitives" : "children");
     }
 
@@ -168,9 +205,21 @@ private:
     std::string find_missing_primitive() const {
         if (primitives_reached_ + inactive_ == mesh_.triangles.size()) return {};
         std::size_t missing = 0;
-        while (is_inactive(mesh_, missing) || (!primitive_reached_.empty() && primitive_reached_[missing]))
+        while (is_inactive(mesh_, missing) || (!leaf_of_primitive_.empty() && leaf_of_primitive_[missing] != kNone))
             ++missing;
         return name_primitive(missing) + " is in no leaf";
+    }
+
+    std::string check_coverage() const {
+        std::vector<std::uint32_t> leaves;
+        std::ranges::copy_if(order_, std::back_inserter(leaves),
+                             [&](std::uint32_t node) { return bvh_.nodes[node].is_leaf(); });
+        const std::optional<LostPart> lost = find_lost_part(bvh_, mesh_, leaves);
+        if (!lost) return {};
+        std::ostringstream message;
+        message << name_primitive(lost->primitive) << ": the part of it around (" << lost->point.x << ", "
+                << lost->point.y << ", " << lost->point.z << ") is in none of the leaves that name it";
+        return message.str();
     }
 
     const Bvh& bvh_;
@@ -178,9 +227,10 @@ private:
     ValidationReport report_;
     std::uint64_t inactive_ = 0;
     std::uint64_t primitives_reached_ = 0;
-    std::vector<std::uint32_t> order_;     ///< Visited nodes in traversal order.
-    std::vector<bool> pair_reached_;       ///< One per sibling pair: has a parent.
-    std::vector<bool> primitive_reached_;  ///< One per primitive: is in a leaf.
+    std::vector<std::uint32_t> order_;              ///< Visited nodes in traversal order.
+    std::vector<bool> pair_reached_;                ///< One per sibling pair: has a parent.
+    std::vector<std::uint32_t> leaf_of_primitive_;  ///< One per primitive: the last leaf that named it, or kNone.
+    std::vector<bool> id_reached_;                  ///< One per primitive id: is in a leaf; of split references only.
 };
 
 }  // namespace

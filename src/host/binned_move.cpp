@@ -28,7 +28,8 @@ struct SideBounds {
     static CLBVH_ALWAYS_INLINE Box4 stored(const Box& source) noexcept {
         alignas(32) float lanes[8];
         source.store(lanes);
-        return {Float4::load(lanes), Float4::load(lanes + 4).negated()};
+        // Subtracted from 0, not negated: what was +0 must not become -0.
+        return {Float4::load(lanes), Float4::filled(0.0f) - Float4::load(lanes + 4)};
     }
     [[nodiscard]] CLBVH_ALWAYS_INLINE Side side() const noexcept { return {stored(box), stored(centroids)}; }
 

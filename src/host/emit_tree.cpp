@@ -34,7 +34,7 @@ public:
 
 private:
     static constexpr std::uint32_t kParallelPairs = 4096;
-    static constexpr std::size_t kBatch = 8;
+    static constexpr std::size_t kBatch = 16;
 
     /// Takes up small subtrees before large ones, so that few wait at any time, whatever the tree.
     void emit(const Job& root) {

@@ -4,6 +4,7 @@
 #include <emmintrin.h>
 #else
 #include <array>
+#include <bit>
 #include <utility>
 #endif
 
@@ -47,6 +48,12 @@ struct Float4 {
         return {_mm_and_ps(lanes, _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0)))};
     }
 
+    /// The same with the bits of an integer in the fourth lane.
+    [[nodiscard]] Float4 with_w(std::uint32_t bits) const noexcept {
+        const __m128i w = _mm_slli_si128(_mm_cvtsi32_si128(static_cast<int>(bits)), 12);
+        return {_mm_or_ps(without_w().lanes, _mm_castsi128_ps(w))};
+    }
+
     friend Float4 operator+(Float4 a, Float4 b) noexcept {
         return {_mm_add_ps(a.lanes, b.lanes)};
     }
@@ -80,6 +87,10 @@ struct Float4 {
     friend bool all_at_most(Float4 a, Float4 b) noexcept {
         return (_mm_movemask_ps(_mm_cmple_ps(a.lanes, b.lanes)) & 7) == 7;
     }
+    /// Bit i is set where a <= b in lane i, all four of them.
+    friend std::uint32_t lanes_at_most(Float4 a, Float4 b) noexcept {
+        return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmple_ps(a.lanes, b.lanes)));
+    }
     /// Each lane rounded towards zero.
     void truncate(std::int32_t* target) const noexcept {
         _mm_storeu_si128(reinterpret_cast<__m128i*>(target), _mm_cvttps_epi32(lanes));
@@ -111,6 +122,9 @@ struct Float4 {
     }
     [[nodiscard]] Float4 without_w() const noexcept {
         return {{lanes[0], lanes[1], lanes[2], 0.0f}};
+    }
+    [[nodiscard]] Float4 with_w(std::uint32_t bits) const noexcept {
+        return {{lanes[0], lanes[1], lanes[2], std::bit_cast<float>(bits)}};
     }
 
     template <typename Operation>
@@ -147,6 +161,12 @@ struct Float4 {
     }
     friend bool all_at_most(Float4 a, Float4 b) noexcept {
         return a.lanes[0] <= b.lanes[0] && a.lanes[1] <= b.lanes[1] && a.lanes[2] <= b.lanes[2];
+    }
+    friend std::uint32_t lanes_at_most(Float4 a, Float4 b) noexcept {
+        std::uint32_t mask = 0;
+        for (std::size_t i = 0; i < 4; ++i)
+            mask |= (a.lanes[i] <= b.lanes[i] ? 1u : 0u) << i;
+        return mask;
     }
     void truncate(std::int32_t* target) const noexcept {
         for (std::size_t i = 0; i < 4; ++i)

@@ -25,16 +25,16 @@ BuildStats run_algorithm(std::span<Reference> references, const Mesh* mesh, cons
 
 }  // namespace
 
-BuildStats run_host_build(const Mesh& mesh, std::uint64_t active_count, const BoundAlgorithm& algorithm,
-                          const ProgressCallback& progress, Scratch& scratch, Bvh& result) {
+BuildStats run_host_build(const HostInput& input, const BoundAlgorithm& algorithm, const ProgressCallback& progress,
+                          Scratch& scratch, Bvh& result) {
     HostStages stages(progress);
     scratch.reset();
     stages.begin("bounds", 0.0, 0.05);
-    const std::span<Reference> references = scratch.take<Reference>(active_count);
-    bound_primitives(mesh, references, scratch);
-    result.primitive_count = mesh.triangles.size();
-    BuildStats stats = run_algorithm(references, &mesh, algorithm, scratch, stages, result);
-    stats.inactive_primitives = mesh.triangles.size() - active_count;
+    const std::span<Reference> references = scratch.take<Reference>(input.active_count);
+    bound_primitives(input.boxes, references, scratch);
+    result.primitive_count = input.boxes.triangles.size();
+    BuildStats stats = run_algorithm(references, &input.triangles, algorithm, scratch, stages, result);
+    stats.inactive_primitives = input.boxes.triangles.size() - input.active_count;
     return stats;
 }
 
@@ -42,7 +42,7 @@ Bvh build_over_mesh(const Mesh& mesh, const BoundAlgorithm& algorithm) {
     const std::uint64_t inactive = check_mesh(mesh);
     Scratch scratch;
     Bvh result;
-    run_host_build(mesh, mesh.triangles.size() - inactive, algorithm, {}, scratch, result);
+    run_host_build({mesh, mesh, mesh.triangles.size() - inactive}, algorithm, {}, scratch, result);
     return result;
 }
 

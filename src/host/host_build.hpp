@@ -28,10 +28,16 @@ using HostAlgorithm = void (*)(HostBuild& build, const BuildOptions& options);
 /// A host builder with its options bound.
 using BoundAlgorithm = std::function<void(HostBuild&)>;
 
-/// Builds over a mesh that check_mesh has passed, with `active_count` active triangles, into `result`.
-/// Scratch and result may be those of an earlier build: their memory is used again.
-BuildStats run_host_build(const Mesh& mesh, std::uint64_t active_count, const BoundAlgorithm& algorithm,
-                          const ProgressCallback& progress, Scratch& scratch, Bvh& result);
+/// What a build takes its primitives from.
+struct HostInput {
+    const Mesh& boxes;           ///< Passed by check_mesh; the boxes of its triangles are built over.
+    const Mesh& triangles;       ///< What HostBuild::mesh refers to: the same, or what the boxes are parts of.
+    std::uint64_t active_count;  ///< Active triangles of `boxes`.
+};
+
+/// Builds into `result`. Scratch and result may be those of an earlier build: their memory is used again.
+BuildStats run_host_build(const HostInput& input, const BoundAlgorithm& algorithm, const ProgressCallback& progress,
+                          Scratch& scratch, Bvh& result);
 
 /// One call from a mesh to a tree; throws what check_mesh throws.
 [[nodiscard]] Bvh build_over_mesh(const Mesh& mesh, const BoundAlgorithm& algorithm);

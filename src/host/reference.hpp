@@ -47,10 +47,10 @@ struct Box4 {
 /// A node with this box.
 [[nodiscard]] inline Node make_node(const Box4& box, std::uint32_t first, std::uint32_t count) noexcept {
     Node node;
-    box.lower.store(node.lower);  // the fourth lane goes to `first`, which is written next
-    node.first = first;
-    box.upper.store(node.upper);
-    node.count = count;
+    // Whole vectors: a node that is copied soon would wait for stores of single words. The fourth lane goes behind the
+    // corner.
+    box.lower.with_w(first).store(node.lower);
+    box.upper.with_w(count).store(node.upper);
     return node;
 }
 

@@ -22,6 +22,9 @@ static_assert(std::endian::native == std::endian::little, "BVH files are written
 
 constexpr char kMagic[8] = {'C', 'L', 'B', 'V', 'H', '\0', '\0', '\1'};
 
+/// Bits of FileHeader::flags.
+constexpr std::uint32_t kSplitReferences = 1;
+
 struct FileHeader {
     char magic[8];
     std::uint64_t node_count;
@@ -61,6 +64,7 @@ public:
         read_header();
         Bvh bvh;
         bvh.primitive_count = header_.primitive_count;
+        bvh.split_references = (header_.flags & kSplitReferences) != 0;
         bvh.nodes.resize(header_.node_count);
         file_.read(bvh.nodes.data(), node_bytes(bvh));
         bvh.primitive_ids.resize(header_.id_count);
@@ -82,7 +86,7 @@ private:
         }
         if (header_.node_bytes != sizeof(Node))
             fail("nodes of " + std::to_string(header_.node_bytes) + " bytes, not 32");
-        if (header_.flags != 0) fail("unknown flags " + std::to_string(header_.flags));
+        if ((header_.flags & ~kSplitReferences) != 0) fail("unknown flags " + std::to_string(header_.flags));
         if (header_.reserved != 0 || header_.zero != 0) fail("a reserved field of the header is not zero");
         check_sizes();
     }
@@ -172,6 +176,7 @@ void write_bvh(const Bvh& bvh, const std::filesystem::path& path) {
     header.node_count = bvh.nodes.size();
     header.id_count = bvh.primitive_ids.size();
     header.primitive_count = bvh.primitive_count;
+    header.flags = bvh.split_references ? kSplitReferences : 0;
     header.node_bytes = sizeof(Node);
     header.payload_hash = hash_payload(bvh);
 

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <functional>
+#include <limits>
+#include <sstream>
 #include <string>
 
 #include "clbvh/core/error.hpp"
@@ -14,17 +16,29 @@ namespace {
 
 using Change = std::function<void(BuildOptions&)>;
 
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+std::string text_of(float value) {
+    std::ostringstream text;
+    text << value;
+    return text.str();
+}
+
 void expect_accepted(const Change& change) {
     BuildOptions options;
     change(options);
     CHECK_NOTHROW(check_options(options));
 }
 
-void expect_rejected(const std::string& name, std::uint32_t value, const Change& change) {
+void expect_message(const std::string& message, const Change& change) {
     BuildOptions options;
     change(options);
-    expect_error(ErrorCode::invalid_input, {name + " is " + std::to_string(value) + "; it must be "},
-                 [&] { check_options(options); });
+    expect_error(ErrorCode::invalid_input, {message}, [&] { check_options(options); });
+}
+
+void expect_rejected(const std::string& name, std::uint32_t value, const Change& change) {
+    expect_message(name + " is " + std::to_string(value) + "; it must be ", change);
 }
 
 template <typename Enum, typename FromName>
@@ -74,6 +88,52 @@ TEST_CASE("options beyond their ranges are rejected by name and value") {
     for (const std::uint32_t count : {513u, ~0u}) {
         expect_rejected("range_count", count, [&](BuildOptions& o) { o.range_count = count; });
     }
+}
+
+TEST_CASE("options of the host's builders and stages are accepted up to the ends of their ranges") {
+    for (const std::uint32_t size : {0u, 1u, 64u}) {
+        expect_accepted([&](BuildOptions& o) { o.max_leaf_size = size; });
+    }
+    for (const std::uint32_t count : {2u, 64u}) {
+        expect_accepted([&](BuildOptions& o) { o.bin_count = count; });
+    }
+    for (const std::uint32_t level : {0u, 1u, 40u}) {
+        expect_accepted([&](BuildOptions& o) { o.presplit_level = level; });
+    }
+    for (const std::uint32_t count : {0u, 1u, 1024u}) {
+        expect_accepted([&](BuildOptions& o) { o.thread_count = count; });
+    }
+    for (const float alpha : {0.0f, 1.0f}) {
+        expect_accepted([&](BuildOptions& o) { o.split_alpha = alpha; });
+    }
+    for (const float budget : {1.0f, 8.0f}) {
+        expect_accepted([&](BuildOptions& o) { o.reference_budget = budget; });
+    }
+    expect_accepted([](BuildOptions& o) { o.inner_cost = o.primitive_cost = std::numeric_limits<float>::min(); });
+}
+
+TEST_CASE("options of the host's builders and stages are rejected with their range") {
+    for (const float cost : {0.0f, -1.0f, kInfinity, kNan}) {
+        expect_message("inner_cost is " + text_of(cost) + "; it must be finite and above 0",
+                       [&](BuildOptions& o) { o.inner_cost = cost; });
+        expect_message("primitive_cost is " + text_of(cost) + "; it must be finite and above 0",
+                       [&](BuildOptions& o) { o.primitive_cost = cost; });
+    }
+    expect_message("max_leaf_size is 65; it must be 0 to 64", [](BuildOptions& o) { o.max_leaf_size = 65; });
+    for (const std::uint32_t count : {0u, 1u, 65u}) {
+        expect_message("bin_count is " + std::to_string(count) + "; it must be 2 to 64",
+                       [&](BuildOptions& o) { o.bin_count = count; });
+    }
+    for (const float alpha : {-0.5f, 1.5f, kNan}) {
+        expect_message("split_alpha is " + text_of(alpha) + "; it must be 0 to 1",
+                       [&](BuildOptions& o) { o.split_alpha = alpha; });
+    }
+    for (const float budget : {0.5f, 8.5f, kInfinity, kNan}) {
+        expect_message("reference_budget is " + text_of(budget) + "; it must be 1 to 8",
+                       [&](BuildOptions& o) { o.reference_budget = budget; });
+    }
+    expect_message("presplit_level is 41; it must be 0 to 40", [](BuildOptions& o) { o.presplit_level = 41; });
+    expect_message("thread_count is 1025; it must be 0 to 1024", [](BuildOptions& o) { o.thread_count = 1025; });
 }
 
 TEST_CASE("values that are no enumerators are rejected") {

@@ -83,6 +83,19 @@ Tree tree_with_larger_leaf() {
     return tree;
 }
 
+/// A triangle across a square, as two leaves of a split at x = 0.5 see it.
+Tree split_tree() {
+    Tree tree;
+    tree.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    tree.mesh.triangles = {{0, 1, 2}};
+    tree.bvh.nodes = {
+        {{0, 0, 0}, 2, {1, 1, 0}, 0}, {}, {{0, 0, 0}, 0, {0.5f, 1, 0}, 1}, {{0.5f, 0, 0}, 1, {1, 0.5f, 0}, 1}};
+    tree.bvh.primitive_ids = {0, 0};
+    tree.bvh.primitive_count = 1;
+    tree.bvh.split_references = true;
+    return tree;
+}
+
 }  // namespace
 
 TEST_CASE("sound trees of every small size are valid") {
@@ -326,6 +339,7 @@ TEST_CASE("validation survives trees of random bytes") {
     for (int round = 0; round < 2000; ++round) {
         Bvh bvh;
         bvh.primitive_count = 64;
+        bvh.split_references = round % 2 == 1;
         bvh.nodes.resize(2 + below(200));
         for (std::size_t i = 0; i < bvh.nodes.size(); ++i) {
             if (i == 1) continue;
@@ -338,4 +352,92 @@ TEST_CASE("validation survives trees of random bytes") {
             id = below(66);
         if (validate(bvh, mesh).valid) FAIL("round " << round);
     }
+}
+
+TEST_CASE("split references: a primitive may be in several leaves, which cover it together") {
+    Tree tree = split_tree();
+    CHECK(validate(tree.bvh, tree.mesh).error.empty());
+    CHECK(validate(tree.bvh, tree.mesh).leaves == 2);
+    tree.bvh.split_references = false;
+    expect_invalid(tree, "node 3: primitive 0 is in the tree a second time");
+}
+
+TEST_CASE("split references: a tree that has none is valid as such") {
+    Tree tree = random_tree(200);
+    tree.bvh.split_references = true;
+    CHECK(validate(tree.bvh, tree.mesh).error.empty());
+    tree = {};
+    tree.bvh.split_references = true;
+    CHECK(validate(tree.bvh, tree.mesh).valid);
+}
+
+TEST_CASE("split references: a lost part is found, also one of a few units in the last place") {
+    for (const float gap : {0.25f, 1e-3f, 1e-6f}) {
+        Tree tree = split_tree();
+        tree.bvh.nodes[3].lower[0] += gap;
+        expect_invalid(tree, gap > 0.1f ? "primitive 0: the part of it around (0.625, 0.1875, 0)"
+                                        : "primitive 0: the part of it around (0.5");
+        expect_invalid(tree, "is in none of the leaves that name it");
+    }
+    Tree tree = split_tree();
+    tree.bvh.nodes[3].upper[1] = 0.49f;
+    expect_invalid(tree, "primitive 0: the part of it around (0.50");
+    tree = split_tree();
+    tree.bvh.nodes[3] = tree.bvh.nodes[2];
+    tree.bvh.nodes[3].first = 1;
+    tree.bvh.nodes[0].upper[0] = 0.5f;
+    expect_invalid(tree, "primitive 0: the part of it around (0.6");
+}
+
+TEST_CASE("split references: the first primitive that is lost is named") {
+    Tree tree = random_tree(300);
+    tree.bvh.split_references = true;
+    std::vector<std::uint32_t> leaf_of(300);
+    for (std::uint32_t node = 0; node < tree.bvh.nodes.size(); ++node) {
+        if (tree.bvh.nodes[node].is_leaf()) leaf_of[tree.bvh.primitive_ids[tree.bvh.nodes[node].first]] = node;
+    }
+    for (const std::uint32_t primitive : {250u, 77u, 130u}) {
+        // The leaf shrinks to a corner of its triangle; all boxes above it stay unions of their children.
+        Node& leaf = tree.bvh.nodes[leaf_of[primitive]];
+        const Vec3 corner = tree.mesh.vertices[tree.mesh.triangles[primitive][0]];
+        set_box(leaf, {corner, corner});
+    }
+    const auto refit = [&](const auto& self, std::uint32_t index) -> Aabb {
+        Node& node = tree.bvh.nodes[index];
+        if (!node.is_leaf()) set_box(node, merge(self(self, node.first), self(self, node.first + 1)));
+        return node.bounds();
+    };
+    refit(refit, 0);
+    expect_invalid(tree, "primitive 77: the part of it around (");
+}
+
+TEST_CASE("split references: boxes must lie within the union of the primitives, and inner ones be unions") {
+    for (const std::size_t node : {2, 3}) {
+        Tree tree = split_tree();
+        tree.bvh.nodes[node].upper[2] = 1e-30f;
+        expect_invalid(tree, "node 0: its box is not the union of its children");
+        tree.bvh.nodes[0].upper[2] = 1e-30f;
+        expect_invalid(tree, "its box is not within the union of its primitives");
+        tree = split_tree();
+        tree.bvh.nodes[node].upper[1] = kNan;
+        expect_invalid(tree, "its box is not ");
+        tree = split_tree();
+        std::swap(tree.bvh.nodes[node].lower[0], tree.bvh.nodes[node].upper[0]);
+        expect_invalid(tree, "its box is not ");
+    }
+}
+
+TEST_CASE("split references: a leaf names a primitive once, and shares no ids with another") {
+    Tree tree = split_tree();
+    tree.bvh.nodes[2].count = 2;
+    expect_invalid(tree, "node 2: primitive 0 is in this leaf a second time");
+    tree = split_tree();
+    tree.bvh.nodes[3].first = 0;
+    expect_invalid(tree, "node 3: primitive id 0 belongs to another leaf");
+    tree = split_tree();
+    tree.mesh.triangles.push_back({0, 1, 2});
+    tree.bvh.primitive_count = 2;
+    expect_invalid(tree, "primitive 1 is in no leaf");
+    deactivate_triangles(tree.mesh);
+    expect_invalid(tree, "primitive 0 is inactive");
 }

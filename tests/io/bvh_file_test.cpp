@@ -40,7 +40,8 @@ Bvh small_bvh() {
 }
 
 bool same(const Bvh& a, const Bvh& b) {
-    return a.nodes == b.nodes && a.primitive_ids == b.primitive_ids && a.primitive_count == b.primitive_count;
+    return a.nodes == b.nodes && a.primitive_ids == b.primitive_ids && a.primitive_count == b.primitive_count &&
+           a.split_references == b.split_references;
 }
 
 std::string bytes_of(const Bvh& bvh) {
@@ -83,7 +84,10 @@ TEST_CASE("a tree is read as it was written") {
     single.primitive_count = 1;
     Bvh inactive;
     inactive.primitive_count = 12;
-    for (const Bvh& bvh : {small_bvh(), single, inactive, Bvh{}}) {
+    Bvh split = small_bvh();
+    split.primitive_ids = {4, 0, 4, 2, 0};
+    split.split_references = true;
+    for (const Bvh& bvh : {small_bvh(), single, inactive, split, Bvh{}}) {
         const TempFolder folder;
         write_bvh(bvh, folder.path("tree.bvh"));
         CHECK(same(read_bvh(folder.path("tree.bvh")), bvh));
@@ -108,13 +112,21 @@ TEST_CASE("the file is laid out as documented") {
     CHECK(field<std::uint64_t>(bytes_of({}), 48) == 0xEF46DB3751D8E999U);
 }
 
+TEST_CASE("split references are the lowest bit of the flags") {
+    Bvh bvh = small_bvh();
+    bvh.split_references = true;
+    CHECK(field<std::uint32_t>(bytes_of(bvh), 32) == 1);
+}
+
 TEST_CASE("no single damaged byte gets past the reader") {
     const std::string bytes = bytes_of(small_bvh());
     const TempFolder folder;
     std::size_t accepted = 0;
     for (std::size_t i = 0; i < bytes.size(); ++i) {
-        // The one field that nothing else in the file depends on: more primitives may be inactive than were.
+        // What nothing else in the file depends on: more primitives may be inactive than were, and references may be
+        // called split.
         const bool primitive_count = i >= 24 && i < 32;
+        const bool split_flag = i == 32;
         for (const int flip : {0x01, 0x80}) {
             std::string damaged = bytes;
             damaged[i] = static_cast<char>(damaged[i] ^ flip);
@@ -123,8 +135,9 @@ TEST_CASE("no single damaged byte gets past the reader") {
                 const Bvh read = read_bvh(path);
                 ++accepted;
                 INFO("byte " << i << " flipped by " << flip);
-                CHECK(primitive_count);
+                CHECK((primitive_count || split_flag));
                 CHECK((read.nodes == small_bvh().nodes && read.primitive_count > 6));
+                CHECK(read.split_references == split_flag);
             } catch (const Error& error) {
                 CHECK(error.code() == ErrorCode::io);
             }
@@ -152,6 +165,7 @@ TEST_CASE("headers that lie are refused before memory is set aside") {
     expect_refused(with_field(bytes, 0, 'X'), "not a BVH file");
     expect_refused(with_field(bytes, 7, '\2'), "version 2");
     expect_refused(with_field(bytes, 32, std::uint32_t{4}), "unknown flags 4");
+    expect_refused(with_field(bytes, 32, std::uint32_t{3}), "unknown flags 3");
     expect_refused(with_field(bytes, 36, std::uint32_t{64}), "nodes of 64 bytes");
     expect_refused(with_field(bytes, 40, std::uint64_t{1}), "reserved");
     expect_refused(with_field(bytes, 56, std::uint64_t{1}), "reserved");

@@ -10,7 +10,8 @@ namespace clbvh {
 
 /// What one stage of a build cost.
 struct StageStats {
-    std::string name;        ///< "bounds", "morton", "sort", "cluster" or "layout".
+    std::string name;        ///< Device builders: "bounds", "morton", "sort", "cluster", "layout". Around any builder:
+                             ///< "presplit", "download", "collapse".
     double device_ms = 0.0;  ///< Sum of the kernels' execution times on the device; 0 where the queue does not profile.
     double host_ms = 0.0;    ///< Wall time that the host spent in the stage's calls, its waits for the device included.
     std::uint32_t launches = 0;  ///< Kernels enqueued.
@@ -24,7 +25,8 @@ struct BuildStats {
     std::uint32_t iterations = 0;  ///< Rounds of clustering that the host launched one by one; 0 for other builders.
     std::vector<std::uint32_t> clusters_per_iteration;  ///< Clusters alive at the start of each of those iterations.
     std::uint64_t peak_device_bytes = 0;                ///< Largest sum of the build's device buffers, input excluded.
-    std::uint64_t peak_host_bytes = 0;      ///< Host builders: the most that scratch and tree took, input excluded.
+    std::uint64_t peak_host_bytes = 0;      ///< Most that the host's work took: scratch, trees and parts of triangles;
+                                            ///< input and download() excluded.
     std::uint64_t inactive_primitives = 0;  ///< Primitives with a NaN coordinate, left out of the tree.
 };
 

@@ -23,6 +23,12 @@ struct ValidationReport {
 /// leaf, inactive ones in none, every box equal to the union recomputed from the triangles to the bit (save that -0
 /// equals +0). A mesh that check_mesh refuses makes every tree invalid. Never reads out of range, whatever the tree
 /// holds. O(n) time and memory.
+///
+/// Where Bvh::split_references says so, an active primitive is in one leaf or more, but in none twice; a leaf's box
+/// lies within the union of its primitives' boxes; and no part of a triangle is lost: the leaves that name it cover it
+/// together, up to 2^-34 of its largest coordinate, which is a thousandth of what a float can tell apart. That is
+/// proven by cutting it, in double precision, into pieces each of which lies in a leaf's box. About O(n log n) time
+/// over the trees that builders make.
 [[nodiscard]] ValidationReport validate(const Bvh& bvh, const Mesh& mesh);
 
 }  // namespace clbvh

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "clbvh/core/aabb.hpp"
+#include "clbvh/core/bvh.hpp"
+
+namespace clbvh {
+
+/// Bottom-up builder that merges the closest clusters, among those that a walk up the Morton order brings together.
+///
+/// Gu, He, Fatahalian, Blelloch 2013, "Efficient BVH construction via approximate agglomerative clustering". O(n) time
+/// for `epsilon` above 0; depth at most n - 1.
+struct AacConfig {
+    std::uint32_t delta = 20;         ///< Fewer primitives than this are clustered without a look at the code, 2 to 64.
+    float epsilon = 0.1f;             ///< n primitives are reduced to delta^(0.5 + epsilon) / 2 * n^(0.5 - epsilon)
+                                      ///< clusters before they meet others, 0 to 0.5.
+    float inner_cost = 1.2f;          ///< Cost of visiting a node, above 0; for flattening.
+    float primitive_cost = 1.0f;      ///< Cost of testing one primitive, above 0; for flattening.
+    std::uint32_t max_leaf_size = 8;  ///< Largest leaf, in primitives, 1 to 64. 1: no subtree is flattened.
+    bool keep_distances = false;  ///< In a matrix that children pass to their parent, as the paper does, rather than
+                                  ///< measuring them again: the same tree, slower wherever it was measured.
+
+    /// The paper's AAC-HQ: for quality.
+    [[nodiscard]] static constexpr AacConfig hq() noexcept { return {}; }
+    /// The paper's AAC-Fast.
+    [[nodiscard]] static constexpr AacConfig fast() noexcept {
+        AacConfig config;
+        config.delta = 4;
+        config.epsilon = 0.2f;
+        return config;
+    }
+};
+
+/// Builds over `bounds`, where primitive i is bounds[i], on the threads of the calling task arena of oneTBB.
+/// Throws Error(invalid_input) where a field of `config` is out of its range, naming it, or a box is not legal (a NaN,
+/// inverted, beyond kMaxCoordinate), naming the first; Error(unsupported) beyond kMaxPrimitives; Error(out_of_memory).
+[[nodiscard]] Bvh build_aac(std::span<const Aabb> bounds, const AacConfig& config = {});
+
+}  // namespace clbvh

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "clbvh/core/aabb.hpp"
+#include "clbvh/core/bvh.hpp"
+
+namespace clbvh {
+
+/// Top-down builder that evaluates the surface area heuristic between any two primitives in the order of centroids.
+///
+/// MacDonald, Booth 1990, "Heuristics for ray tracing using space subdivision"; stable partition of three presorted
+/// arrays after Perard-Gayot, "Building (good) BVHs". O(n log n) time; depth at most 288.
+struct SweepSahConfig {
+    float inner_cost = 1.2f;          ///< Cost of visiting an inner node, above 0.
+    float primitive_cost = 1.0f;      ///< Cost of testing one primitive, above 0.
+    std::uint32_t max_leaf_size = 8;  ///< Largest leaf, in primitives, 1 to 64.
+};
+
+/// Builds over `bounds`, where primitive i is bounds[i], on the threads of the calling task arena of oneTBB.
+/// Throws Error(invalid_input) where a field of `config` is out of its range, naming it, or a box is not legal (a NaN,
+/// inverted, beyond kMaxCoordinate), naming the first; Error(unsupported) beyond kMaxPrimitives; Error(out_of_memory).
+[[nodiscard]] Bvh build_sweep_sah(std::span<const Aabb> bounds, const SweepSahConfig& config = {});
+
+}  // namespace clbvh

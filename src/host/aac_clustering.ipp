@@ -1,0 +1,360 @@
+// BuildTree and CombineClusters, Gu et al. 2013, algorithms 3 and 4. aac_clustering.cpp includes this file once for
+// each instruction set, each time in a namespace of its own, after aac_lanes.ipp.
+//
+// Clusters are named by their place on the stack. Ties between equal distances go to the next cluster in cyclic order,
+// so that equal boxes are merged in pairs, and pairs of pairs, not into a chain.
+
+/// Ranges of this size ask for all that they read and write at once.
+constexpr std::uint32_t kFetch = 64;
+
+/// The box of one cluster, in every lane.
+struct Box {
+    Floats lower[3];
+    Floats upper[3];
+
+    Box(const Stack& stack, std::uint32_t cluster) noexcept {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            lower[axis] = Floats::filled(stack.bounds[axis][cluster]);
+            upper[axis] = Floats::filled(stack.bounds[axis + 3][cluster]);
+        }
+    }
+    /// Half areas of the boxes around this one and those of clusters `first` and following.
+    [[nodiscard]] Floats distances(const Stack& stack, std::uint32_t first) const noexcept {
+        Floats extent[3];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            extent[axis] = max(upper[axis], Floats::load(stack.bounds[axis + 3] + first)) -
+                           min(lower[axis], Floats::load(stack.bounds[axis] + first));
+        }
+        return extent[0] * (extent[1] + extent[2]) + extent[1] * extent[2];
+    }
+};
+
+template <typename Code, bool kKeepDistances>
+class Clustering {
+public:
+    Clustering(const Problem<Code>& problem, Stack& stack) noexcept : problem_(problem), stack_(stack) {}
+
+    /// Puts the clusters of positions begin .. end onto the stack, from `base` on. Returns their end.
+    std::uint32_t build_tree(std::uint32_t begin, std::uint32_t end, std::uint32_t base, bool fetched) noexcept {
+        const std::uint32_t count = end - begin;
+        if (!fetched && count <= kFetch) {
+            fetch(begin, end);
+            fetched = true;
+        }
+        if (count < problem_.options.delta) {
+            return build_leaf(begin, end, base, problem_.reduction(problem_.options.delta));
+        }
+        const std::uint32_t split = partition(problem_.codes, begin, end);
+        const bool left_first = goes_left_first(begin, split, end);
+        const std::uint32_t middle =
+            left_first ? build_tree(begin, split, base, fetched) : build_tree(split, end, base, fetched);
+        const std::uint32_t top =
+            left_first ? build_tree(split, end, middle, fetched) : build_tree(begin, split, middle, fetched);
+        return unite(base, middle, top, problem_.reduction(count));
+    }
+
+    /// Makes one range of two, and at most `target` clusters of it. Returns its end.
+    std::uint32_t unite(std::uint32_t base, std::uint32_t middle, std::uint32_t top, std::uint32_t target) noexcept {
+#if defined(CLBVH_AAC_HAS_SMALL_SETS)
+        if (!kKeepDistances && top - base <= SmallSet::kMostClusters) {
+            SmallSet set(stack_, base, top);
+            set.find_across(stack_, base, middle - base);
+            return combine_small(set, base, target);
+        }
+#endif
+        find_across(base, middle, middle, top);
+        find_across(middle, top, base, middle);
+        return combine(base, top, target);
+    }
+
+    /// The paper's CombineClusters: merges the closest pair of base .. top until at most `target` clusters are left.
+    std::uint32_t combine(std::uint32_t base, std::uint32_t top, std::uint32_t target) noexcept {
+        std::uint32_t last = top;  // where the merge before took place
+        while (top - base > target) {
+            const std::uint32_t cluster = find_closest_pair(base, top, last);
+            last = merge(cluster, stack_.closest[cluster], base, top);
+            --top;
+        }
+        return top;
+    }
+
+    /// Measures what a range that came from elsewhere has measured before.
+    void measure_all(std::uint32_t base, std::uint32_t top) noexcept {
+        if constexpr (!kKeepDistances) return;
+        for (std::uint32_t i = base; i < top; ++i) {
+            const Box box(stack_, i);
+            for (std::uint32_t j = base; j < top; j += Floats::kCount)
+                box.distances(stack_, j).store(row(i) + j);
+            row(i)[i] = kFar;
+        }
+    }
+
+private:
+    void fetch(std::uint32_t begin, std::uint32_t end) const noexcept {
+        for (std::uint32_t position = begin; position < end; ++position) {
+            prefetch(problem_.references + problem_.ids[position]);
+            prefetch(problem_.nodes + 2 * std::size_t{position});
+        }
+    }
+
+    [[nodiscard]] float* row(std::uint32_t cluster) const noexcept {
+        return stack_.distances + (kKeepDistances ? cluster * stack_.stride : 0);
+    }
+
+    std::uint32_t build_leaf(std::uint32_t begin, std::uint32_t end, std::uint32_t base,
+                             std::uint32_t target) noexcept {
+        const std::uint32_t top = base + (end - begin);
+        for (std::uint32_t i = base; i < top; ++i)
+            push_primitive(begin + (i - base), i);
+#if defined(CLBVH_AAC_HAS_SMALL_SETS)
+        if (!kKeepDistances && top - base <= SmallSet::kMostClusters) {
+            SmallSet set(stack_.clusters + base, top - base);
+            return combine_small(set, base, target);
+        }
+#endif
+        for (std::uint32_t i = base; i < top; ++i)
+            set_bounds(i, box_of(stack_.clusters[i].node));
+        if (top - base == 1) {
+            stack_.best[base] = kFar;
+            row(base)[base] = kFar;
+        } else {
+            for (std::uint32_t i = base; i < top; ++i)
+                find_best_match(i, base, top, row(i));
+        }
+        return combine(base, top, target);
+    }
+
+#if defined(CLBVH_AAC_HAS_SMALL_SETS)
+    /// As combine().
+    std::uint32_t combine_small(SmallSet& set, std::uint32_t base, std::uint32_t target) noexcept {
+        std::uint32_t last = set.count();
+        while (set.count() > target) {
+            const SmallSet::Pair pair = set.find_closest_pair(last);
+            const std::uint32_t high = base + pair.high_lane();
+            merge_clusters(base + pair.low_lane(), high, pair.area());
+            stack_.clusters[high] = stack_.clusters[base + set.count() - 1];
+            set.merge(pair);
+            last = pair.high_lane();
+        }
+        set.store(stack_, base);
+        return base + set.count();
+    }
+#endif
+
+    void push_primitive(std::uint32_t position, std::uint32_t target) noexcept {
+        const Reference& reference = problem_.references[problem_.ids[position]];
+        problem_.ids[position] = reference.primitive;
+        const Box4 box = Box4::of(reference);
+        Cluster& cluster = stack_.clusters[target];
+        cluster.node = make_node(box, position, 1);
+        cluster.position = position;
+        cluster.pairs = 0;
+        cluster.primitives = 1;
+        cluster.area = box.half_area();
+        cluster.cost = problem_.options.primitive_cost;
+    }
+
+    [[nodiscard]] static Box4 box_of(const Node& node) noexcept {
+        return {Float4::load(node.lower), Float4::load(node.upper)};
+    }
+
+    void set_bounds(std::uint32_t cluster, const Box4& box) noexcept {
+        const Float4 corners[2] = {box.lower, box.upper};
+        for (std::size_t corner = 0; corner < 2; ++corner) {
+            stack_.bounds[3 * corner][cluster] = corners[corner].x();
+            stack_.bounds[3 * corner + 1][cluster] = corners[corner].y();
+            stack_.bounds[3 * corner + 2][cluster] = corners[corner].z();
+        }
+    }
+
+    /// Measures the distances of `cluster` to all others of its range, and finds its closest.
+    void find_best_match(std::uint32_t cluster, std::uint32_t base, std::uint32_t top, float* distances) noexcept {
+        const Box box(stack_, cluster);
+        Floats least = Floats::filled(kFar);
+        for (std::uint32_t j = base; j < top; j += Floats::kCount) {
+            Floats distance = box.distances(stack_, j);
+            distance = select(only_lane(cluster - j), Floats::filled(kFar), distance);
+            distance.store(distances + j);
+            least = min(least, select(first_lanes(top - j), distance, Floats::filled(kFar)));
+        }
+        stack_.best[cluster] = least.least();
+        stack_.closest[cluster] = find_next(distances, stack_.best[cluster], base, top, cluster);
+    }
+
+    /// The same from the distances that were kept.
+    void find_best_match_again(std::uint32_t cluster, std::uint32_t base, std::uint32_t top) noexcept {
+        if constexpr (!kKeepDistances) return find_best_match(cluster, base, top, stack_.distances + stack_.stride);
+        stack_.best[cluster] = find_least(row(cluster), base, top);
+        stack_.closest[cluster] = find_next(row(cluster), stack_.best[cluster], base, top, cluster);
+    }
+
+    [[nodiscard]] static float find_least(const float* values, std::uint32_t base, std::uint32_t top) noexcept {
+        Floats least = Floats::filled(kFar);
+        for (std::uint32_t j = base; j < top; j += Floats::kCount)
+            least = min(least, select(first_lanes(top - j), Floats::load(values + j), Floats::filled(kFar)));
+        return least.least();
+    }
+
+    /// The first place behind `before` where `value` stands, or else the first from `base` on.
+    [[nodiscard]] static std::uint32_t find_next(const float* values, float value, std::uint32_t base,
+                                                 std::uint32_t top, std::uint32_t before) noexcept {
+        std::uint32_t first = top;
+        for (std::uint32_t j = base; j < top; j += Floats::kCount) {
+            const std::uint32_t bits =
+                (equal(Floats::load(values + j), Floats::filled(value)).bits()) & low_bits(top - j);
+            const std::uint32_t behind = before < j ? bits : bits & ~low_bits(before - j + 1);
+            if (behind != 0) return j + static_cast<std::uint32_t>(std::countr_zero(behind));
+            if (bits != 0 && first == top) first = j + static_cast<std::uint32_t>(std::countr_zero(bits));
+        }
+        return first;
+    }
+
+    [[nodiscard]] static std::uint32_t low_bits(std::uint32_t count) noexcept {
+        return count < Floats::kCount ? (1u << count) - 1 : ~0u;
+    }
+
+    [[nodiscard]] std::uint32_t find_closest_pair(std::uint32_t base, std::uint32_t top,
+                                                  std::uint32_t last) const noexcept {
+        return find_next(stack_.best, find_least(stack_.best, base, top), base, top, last);
+    }
+
+    /// Lets the clusters of base .. top look for closer ones among those of other_base .. other_top.
+    void find_across(std::uint32_t base, std::uint32_t top, std::uint32_t other_base,
+                     std::uint32_t other_top) noexcept {
+        for (std::uint32_t j = base; j < top; j += Floats::kCount) {
+            const Stack& stack = stack_;
+            Floats best = Floats::load(stack.best + j);
+            Floats closest = Floats::load(reinterpret_cast<const float*>(stack.closest) + j);
+            for (std::uint32_t i = other_base; i < other_top; ++i) {
+                const Floats distance = Box(stack, i).distances(stack, j);
+                if constexpr (kKeepDistances) distance.store_first(top - j, row(i) + j);
+                const Mask closer = less(distance, best);
+                best = min(distance, best);
+                closest = select(closer, Floats::index(i), closest);
+            }
+            best.store_first(top - j, stack.best + j);
+            closest.store_first(top - j, reinterpret_cast<float*>(stack.closest) + j);
+        }
+    }
+
+    /// Merges two clusters of base .. top into the place of one, and moves the last cluster to that of the other.
+    /// Returns the larger of the two places.
+    std::uint32_t merge(std::uint32_t a, std::uint32_t b, std::uint32_t base, std::uint32_t top) noexcept {
+        const std::uint32_t low = std::min(a, b);
+        const std::uint32_t high = std::max(a, b);
+        const std::uint32_t last = top - 1;
+        set_bounds(low, merge_clusters(low, high, stack_.best[a]));
+        if (high != last) move(last, high, base, last);
+        find_best_match(low, base, last, row(low));
+        if constexpr (kKeepDistances) fill_columns(low, high, base, last);
+        update_closest(low, high, base, last);
+        return high;
+    }
+
+    /// Writes the two as a sibling pair, the one that begins first on the left, and makes their parent of `low`.
+    /// Returns the box of both.
+    Box4 merge_clusters(std::uint32_t low, std::uint32_t high, float area) noexcept {
+        Cluster& merged = stack_.clusters[low];
+        const bool in_order = merged.position < stack_.clusters[high].position;
+        const Cluster& left = stack_.clusters[in_order ? low : high];
+        const Cluster& right = stack_.clusters[in_order ? high : low];
+        const std::uint32_t ended = right.position;
+        Node* const pair = problem_.nodes + 2 * std::size_t{ended};
+        pair[0] = left.node;
+        pair[1] = right.node;
+        Box4 box = box_of(left.node);
+        box.merge(box_of(right.node));
+        Extent extent{left.pairs + right.pairs + 1, left.primitives + right.primitives};
+        if (extent.primitives <= problem_.options.max_leaf_size) {
+            const float as_leaf = problem_.options.primitive_cost * static_cast<float>(extent.primitives);
+            const float as_inner = cost_of_inner(problem_.options.inner_cost, left, right, area);
+            if (as_leaf <= as_inner) extent.pairs = 0;
+            merged.cost = std::min(as_leaf, as_inner);
+        }
+        problem_.extents[ended] = extent;
+        merged.position = left.position;
+        merged.pairs = extent.pairs;
+        merged.primitives = extent.primitives;
+        merged.area = area;
+        merged.node = make_node(box, 2 * ended, 0);
+        return box;
+    }
+
+    void move(std::uint32_t from, std::uint32_t to, std::uint32_t base, std::uint32_t top) noexcept {
+        stack_.clusters[to] = stack_.clusters[from];
+        for (float* const bound : stack_.bounds)
+            bound[to] = bound[from];
+        stack_.best[to] = stack_.best[from];
+        stack_.closest[to] = stack_.closest[from];
+        if constexpr (!kKeepDistances) return;
+        for (std::uint32_t j = base; j < top; j += Floats::kCount)
+            Floats::load(row(from) + j).store(row(to) + j);
+        row(to)[to] = kFar;
+    }
+
+    /// The matrix is symmetric: what stands in the rows of the merged and the moved cluster goes to their columns.
+    void fill_columns(std::uint32_t low, std::uint32_t high, std::uint32_t base, std::uint32_t top) noexcept {
+        const float* const low_row = row(low);
+        if (high == top) {
+            for (std::uint32_t j = base; j < top; ++j)
+                row(j)[low] = low_row[j];
+            return;
+        }
+        float* const high_row = row(high);
+        high_row[low] = low_row[high];
+        for (std::uint32_t j = base; j < top; ++j) {
+            row(j)[low] = low_row[j];
+            row(j)[high] = high_row[j];
+        }
+    }
+
+    /// Clusters whose closest was merged look for another one; those whose closest was moved follow it.
+    void update_closest(std::uint32_t low, std::uint32_t high, std::uint32_t base, std::uint32_t top) noexcept {
+        float* const closest_lanes = reinterpret_cast<float*>(stack_.closest);
+        for (std::uint32_t j = base; j < top; j += Floats::kCount) {
+            const Floats closest = Floats::load(closest_lanes + j);
+            const Mask lost = same_index(closest, Floats::index(low)) | same_index(closest, Floats::index(high));
+            const Mask moved = same_index(closest, Floats::index(top));
+            select(moved, Floats::index(high), closest).store(closest_lanes + j);
+            std::uint32_t bits = lost.bits() & low_bits(top - j);
+            for (; bits != 0; bits &= bits - 1)
+                replace_closest(j + static_cast<std::uint32_t>(std::countr_zero(bits)), low, base, top);
+        }
+    }
+
+    /// The merged cluster is no closer than its parts were; where it is as close, there is nothing to look for.
+    void replace_closest(std::uint32_t cluster, std::uint32_t merged, std::uint32_t base, std::uint32_t top) noexcept {
+        if (cluster == merged) return;
+        if (row(merged)[cluster] == stack_.best[cluster]) {
+            stack_.closest[cluster] = merged;
+        } else {
+            find_best_match_again(cluster, base, top);
+        }
+    }
+
+    const Problem<Code>& problem_;
+    Stack& stack_;
+};
+
+template <typename Code, bool kKeepDistances>
+std::uint32_t build_tree(const Problem<Code>& problem, Stack& stack, std::uint32_t begin, std::uint32_t end,
+                         std::uint32_t most) noexcept {
+    Clustering<Code, kKeepDistances> clustering(problem, stack);
+    const std::uint32_t top = clustering.build_tree(begin, end, 0, false);
+    return clustering.combine(0, top, most);
+}
+
+template <typename Code, bool kKeepDistances>
+std::uint32_t unite(const Problem<Code>& problem, Stack& stack, std::uint32_t middle, std::uint32_t top,
+                    std::uint32_t target) noexcept {
+    Clustering<Code, kKeepDistances> clustering(problem, stack);
+    clustering.measure_all(0, middle);
+    clustering.measure_all(middle, top);
+    return clustering.unite(0, middle, top, target);
+}
+
+template <typename Code>
+Clusterer<Code> clusterer(bool keep_distances) noexcept {
+    if (keep_distances) return {build_tree<Code, true>, unite<Code, true>};
+    return {build_tree<Code, false>, unite<Code, false>};
+}
