@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
+#include <string_view>
 #include <vector>
 
 #include "native_sort.hpp"
@@ -13,7 +17,10 @@
 namespace clbvh::tool {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+// What the others are compared with, in time and in worth: the first of these that ran.
+using Baselines = std::array<std::string_view, 2>;
+constexpr Baselines kTimeBaselines{"ploc", "binned-sah"};
+constexpr Baselines kSahBaselines{"binned-sah", "ploc"};
 
 std::string fixed(double value, int decimals) {
     return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
@@ -28,25 +35,91 @@ std::string yes_no(const std::optional<bool>& valid) {
     return *valid ? "yes" : "NO";
 }
 
-/// The result of `ploc` on the same scene; null where it did not run.
-const BuildResult* baseline(std::span<const BuildResult> scene) {
-    const auto found =
-        std::find_if(scene.begin(), scene.end(), [](const BuildResult& r) { return r.builder == "ploc"; });
-    return found == scene.end() ? nullptr : &*found;
-}
+/// The results of one scene, and what they are compared with; null where it did not run.
+class Comparison {
+public:
+    explicit Comparison(std::span<const BuildResult> scene)
+        : time_baseline_(find(scene, kTimeBaselines)), sah_baseline_(find(scene, kSahBaselines)) {}
 
-double speedup(const BuildResult& result, std::span<const BuildResult> scene) {
-    const BuildResult* ploc = baseline(scene);
-    return ploc != nullptr ? ploc->build_ms.median / result.build_ms.median : kUnknown;
-}
+    [[nodiscard]] const BuildResult* time_baseline() const { return time_baseline_; }
+    [[nodiscard]] const BuildResult* sah_baseline() const { return sah_baseline_; }
 
-double sah_over_baseline(const BuildResult& result, std::span<const BuildResult> scene) {
-    const BuildResult* ploc = baseline(scene);
-    return ploc != nullptr ? result.sah / ploc->sah : kUnknown;
-}
+    /// The rest where there is a baseline.
+    [[nodiscard]] double speedup(const BuildResult& result) const {
+        return time_baseline_->build_ms.median / result.build_ms.median;
+    }
+    [[nodiscard]] double sah_ratio(const BuildResult& result) const { return result.sah / sah_baseline_->sah; }
+    [[nodiscard]] std::string speedup_title() const { return "vs " + time_baseline_->builder; }
+    [[nodiscard]] std::string sah_ratio_title() const { return "SAH/" + sah_baseline_->builder; }
+
+private:
+    static const BuildResult* find(std::span<const BuildResult> scene, const Baselines& ids) {
+        for (const std::string_view id : ids) {
+            const auto found = std::ranges::find(scene, id, &BuildResult::builder);
+            if (found != scene.end()) return &*found;
+        }
+        return nullptr;
+    }
+
+    const BuildResult* time_baseline_;
+    const BuildResult* sah_baseline_;
+};
 
 double time_over_sort(const BuildResult& result) {
-    return result.native_sort_ms ? result.build_ms.median / result.native_sort_ms->median : kUnknown;
+    return result.native_sort_ms ? result.build_ms.median / result.native_sort_ms->median
+                                 : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// A column of a table: its title, and what stands in a row.
+template <typename Row>
+struct Column {
+    std::string title;
+    std::function<std::string(const Row&)> cell;
+};
+
+template <typename Row>
+std::string table_text(const std::vector<Column<Row>>& columns, std::span<const Row> rows) {
+    std::vector<std::string> cells(columns.size());
+    std::ranges::transform(columns, cells.begin(), &Column<Row>::title);
+    Table table(cells);
+    for (const Row& row : rows) {
+        std::ranges::transform(columns, cells.begin(), [&](const Column<Row>& column) { return column.cell(row); });
+        table.add_row(cells);
+    }
+    return table.text();
+}
+
+std::vector<Column<BuildResult>> scene_columns(const Comparison& comparison) {
+    using Result = const BuildResult&;
+    std::vector<Column<BuildResult>> columns{
+        {"builder", [](Result r) { return r.builder; }},
+        {"median ms", [](Result r) { return fixed(r.build_ms.median, 2); }},
+        {"min ms", [](Result r) { return fixed(r.build_ms.min, 2); }},
+        {"Mtris/s", [](Result r) { return fixed(r.mtris_per_s(), 2); }},
+    };
+    if (comparison.time_baseline() != nullptr)
+        columns.push_back({comparison.speedup_title(), [&](Result r) { return times(comparison.speedup(r)); }});
+    columns.push_back({"x sort", [](Result r) { return fixed(time_over_sort(r), 2); }});
+    columns.push_back({"SAH", [](Result r) { return fixed(r.sah, 3); }});
+    if (comparison.sah_baseline() != nullptr)
+        columns.push_back({comparison.sah_ratio_title(), [&](Result r) { return fixed(comparison.sah_ratio(r), 4); }});
+    columns.push_back({"depth", [](Result r) { return std::to_string(r.depth); }});
+    columns.push_back({"leaves", [](Result r) { return std::to_string(r.leaves); }});
+    columns.push_back({"prims/leaf", [](Result r) { return fixed(r.primitives_per_leaf(), 2); }});
+    columns.push_back({"bytes/prim", [](Result r) { return fixed(r.peak_bytes_per_primitive(), 1); }});
+    columns.push_back({"valid", [](Result r) { return yes_no(r.valid); }});
+    return columns;
+}
+
+/// "SCENE: N triangles; lane shape on DEVICE; host builders on N threads".
+std::string scene_title(const std::optional<Context>& context, std::span<const BuildResult> results) {
+    std::string title = fmt::format("{}: {} triangles", results.front().scene, results.front().triangles);
+    const auto first = [&](BuilderKind kind) { return std::ranges::find(results, kind, &BuildResult::kind); };
+    if (const auto result = first(BuilderKind::device); result != results.end() && context)
+        title += fmt::format("; {} shape on {}", to_string(result->shape), context->device().name);
+    if (const auto result = first(BuilderKind::host); result != results.end())
+        title += fmt::format("; host builders on {} threads", result->threads);
+    return title;
 }
 
 std::string native_sort_line(const BuildResult& result) {
@@ -55,38 +128,67 @@ std::string native_sort_line(const BuildResult& result) {
                        NativeSort::threads(), ms, fixed(static_cast<double>(result.triangles) / ms / 1e3, 1));
 }
 
+/// One builder in the table of means: its results, scene by scene, each with those that it is compared with.
+struct Series {
+    struct Entry {
+        const BuildResult* result;
+        Comparison comparison;
+    };
+    std::vector<Entry> entries;
+
+    template <typename Value>
+    [[nodiscard]] double mean(const Value& value) const {
+        std::vector<double> values;
+        for (const Entry& entry : entries)
+            values.push_back(value(entry));
+        return geometric_mean(values);
+    }
+};
+
+std::vector<Column<Series>> means_columns(const Comparison& comparison) {
+    using Entry = const Series::Entry&;
+    std::vector<Column<Series>> columns{
+        {"builder", [](const Series& s) { return s.entries.front().result->builder; }},
+        {"Mtris/s", [](const Series& s) { return fixed(s.mean([](Entry e) { return e.result->mtris_per_s(); }), 2); }},
+    };
+    if (comparison.time_baseline() != nullptr) {
+        columns.push_back({comparison.speedup_title(), [](const Series& s) {
+                               return times(s.mean([](Entry e) { return e.comparison.speedup(*e.result); }));
+                           }});
+    }
+    columns.push_back({"x sort", [](const Series& s) {
+                           return fixed(s.mean([](Entry e) { return time_over_sort(*e.result); }), 2);
+                       }});
+    if (comparison.sah_baseline() != nullptr) {
+        columns.push_back({comparison.sah_ratio_title(), [](const Series& s) {
+                               return fixed(s.mean([](Entry e) { return e.comparison.sah_ratio(*e.result); }), 4);
+                           }});
+    }
+    return columns;
+}
+
 }  // namespace
 
-std::string scene_report(const DeviceInfo& device, std::span<const BuildResult> results) {
-    const BuildResult& first = results.front();
-    Table table({"builder", "median ms", "min ms", "Mtris/s", "vs ploc", "x sort", "SAH", "depth", "launches",
-                 "iterations", "bytes/prim", "valid"});
-    for (const BuildResult& result : results) {
-        table.add_row({result.builder, fixed(result.build_ms.median, 2), fixed(result.build_ms.min, 2),
-                       fixed(result.mtris_per_s(), 2), times(speedup(result, results)),
-                       fixed(time_over_sort(result), 2), fixed(result.sah, 3), std::to_string(result.depth),
-                       std::to_string(result.launches), std::to_string(result.iterations),
-                       fixed(result.peak_bytes_per_primitive(), 1), yes_no(result.valid)});
-    }
-    return fmt::format("{}: {} triangles, {} shape, on {}\n{}{}", first.scene, first.triangles, to_string(first.shape),
-                       device.name, table.text(), native_sort_line(first));
+std::string scene_report(const std::optional<Context>& context, std::span<const BuildResult> results) {
+    const Comparison comparison(results);
+    return fmt::format("{}\n{}{}", scene_title(context, results), table_text(scene_columns(comparison), results),
+                       native_sort_line(results.front()));
 }
 
 std::string means_report(std::span<const BuildResult> results, std::size_t builder_count) {
-    Table table({"builder", "Mtris/s", "vs ploc", "x sort", "SAH/ploc"});
-    for (std::size_t b = 0; b < builder_count; ++b) {
-        std::vector<double> rates, speedups, sort_ratios, sah_ratios;
-        for (std::size_t begin = 0; begin < results.size(); begin += builder_count) {
-            const auto scene = results.subspan(begin, builder_count);
-            rates.push_back(scene[b].mtris_per_s());
-            speedups.push_back(speedup(scene[b], scene));
-            sort_ratios.push_back(time_over_sort(scene[b]));
-            sah_ratios.push_back(sah_over_baseline(scene[b], scene));
-        }
-        table.add_row({results[b].builder, fixed(geometric_mean(rates), 2), times(geometric_mean(speedups)),
-                       fixed(geometric_mean(sort_ratios), 2), fixed(geometric_mean(sah_ratios), 4)});
+    std::vector<Series> rows(builder_count);
+    for (std::size_t begin = 0; begin < results.size(); begin += builder_count) {
+        const auto scene = results.subspan(begin, builder_count);
+        const Comparison comparison(scene);
+        for (std::size_t b = 0; b < builder_count; ++b)
+            rows[b].entries.push_back({&scene[b], comparison});
     }
-    return table.text();
+    return table_text(means_columns(Comparison(results.first(builder_count))), std::span<const Series>(rows));
+}
+
+std::string unavailable_report(const BuilderChoice& choice) {
+    if (choice.unavailable_ids.empty()) return {};
+    return fmt::format("not available: {}\n  {}\n", fmt::join(choice.unavailable_ids, ", "), choice.reason);
 }
 
 }  // namespace clbvh::tool

@@ -2,96 +2,101 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <clbvh/builder.hpp>
 #include <cstddef>
-#include <functional>
-#include <numeric>
-#include <random>
+#include <iterator>
+#include <memory>
+#include <span>
 
+#include "builder_contestant.hpp"
+#include "embree_peer.hpp"
 #include "interrupt.hpp"
-#include "native_sort.hpp"
-#include "stopwatch.hpp"
+#include "open_builder.hpp"
+#include "sort_contestant.hpp"
 
 namespace clbvh::tool {
 namespace {
 
-struct Entrant {
-    Builder builder;
-    std::vector<BuildStats> runs;
-};
+using Entrants = std::vector<std::unique_ptr<TreeContestant>>;
 
-/// The native sort as a contestant: always the same random keys.
-class SortEntrant {
+/// How far all rounds together are, shown in a bar.
+class RoundsProgress {
 public:
-    explicit SortEntrant(std::size_t count) : sort_(count), random_keys_(count), keys_(count), values_(count) {
-        std::mt19937_64 random;
-        std::generate(random_keys_.begin(), random_keys_.end(), std::ref(random));
-    }
+    RoundsProgress(std::string_view scene, ProgressBar& bar) : scene_(scene), bar_(bar) {}
 
-    double run_ms() {
-        std::copy(random_keys_.begin(), random_keys_.end(), keys_.begin());
-        std::iota(values_.begin(), values_.end(), 0u);
-        const Stopwatch stopwatch;
-        sort_.sort(keys_, values_);
-        return stopwatch.milliseconds();
+    /// One contestant's turn begins; `begin` to `end` is its part of all the rounds.
+    void begin_turn(double begin, double end, std::size_t round, std::string_view name) {
+        begin_ = begin;
+        end_ = end;
+        const std::string what = round == 0 ? "warm-up" : fmt::format("run {}", round);
+        label_ = fmt::format("{}, {}, {}", scene_, what, name);
+        bar_.show_now(begin, label_);
     }
+    /// `part` of the turn is done.
+    void show(double part) { bar_.show(begin_ + part * (end_ - begin_), label_); }
 
 private:
-    NativeSort sort_;
-    std::vector<std::uint64_t> random_keys_;
-    std::vector<std::uint64_t> keys_;
-    std::vector<std::uint32_t> values_;
+    std::string_view scene_;
+    ProgressBar& bar_;
+    double begin_ = 0.0;
+    double end_ = 0.0;
+    std::string label_;
 };
 
-std::vector<Entrant> upload_to_all(const BenchSettings& settings, const Context& context, const Mesh& mesh) {
+Entrants make_entrants(const BenchSettings& settings, const Mesh& mesh, RoundsProgress& progress) {
     BuildOptions options = settings.options;
-    options.progress = [](const Progress&) { return !interrupted(); };
-    std::vector<Entrant> entrants;
+    options.progress = [&progress](const Progress& build) {
+        progress.show(build.fraction);
+        return !interrupted();
+    };
+    Entrants entrants;
     for (const std::string& id : settings.builders) {
-        entrants.push_back({Builder(id, context, options), {}});
-        entrants.back().builder.upload(mesh);
+        throw_if_interrupted();
+        entrants.push_back(std::make_unique<BuilderContestant>(open_builder(id, settings.context, options), mesh));
+    }
+    if (settings.peers) {
+        Entrants peers = make_embree_peers(settings.options, mesh);
+        std::move(peers.begin(), peers.end(), std::back_inserter(entrants));
     }
     return entrants;
 }
 
-/// Runs all rounds, and returns the times of the native sort.
-Sample run_rounds(std::vector<Entrant>& entrants, SortEntrant& sort, std::size_t runs, std::string_view scene,
-                  ProgressBar& bar) {
-    const std::size_t contestants = entrants.size() + 1;
-    std::vector<double> sort_ms;
+void run_rounds(std::span<Contestant* const> contestants, std::size_t runs, RoundsProgress& progress) {
+    const std::size_t count = contestants.size();
+    const auto part = [turns = static_cast<double>((runs + 1) * count)](std::size_t turn) {
+        return static_cast<double>(turn) / turns;
+    };
     for (std::size_t round = 0; round <= runs; ++round) {
-        for (std::size_t turn = 0; turn < contestants; ++turn) {
-            const std::size_t done = round * contestants + turn;
-            bar.show(static_cast<double>(done) / static_cast<double>((runs + 1) * contestants),
-                     round == 0 ? fmt::format("{}, warm-up", scene) : fmt::format("{}, run {}", scene, round));
+        for (std::size_t turn = 0; turn < count; ++turn) {
+            Contestant& contestant = *contestants[(turn + round) % count];
+            const std::size_t done = round * count + turn;
+            progress.begin_turn(part(done), part(done + 1), round, contestant.name());
             throw_if_interrupted();
-            const std::size_t who = (turn + round) % contestants;
-            if (who < entrants.size()) {
-                const BuildStats stats = entrants[who].builder.run();
-                if (round > 0) entrants[who].runs.push_back(stats);
-            } else {
-                const double ms = sort.run_ms();
-                if (round > 0) sort_ms.push_back(ms);
-            }
+            contestant.run(round > 0);
         }
     }
-    return summarize(std::move(sort_ms));
 }
 
 }  // namespace
 
-std::vector<BuildResult> bench_scene(const BenchSettings& settings, const Context& context, std::string_view scene,
-                                     const Mesh& mesh, ProgressBar& bar) {
-    std::vector<Entrant> entrants = upload_to_all(settings, context, mesh);
-    SortEntrant sort(mesh.triangles.size());
-    const Sample sort_ms = run_rounds(entrants, sort, settings.runs, scene, bar);
+std::vector<BuildResult> bench_scene(const BenchSettings& settings, std::string_view scene, const Mesh& mesh,
+                                     ProgressBar& bar) {
+    RoundsProgress progress(scene, bar);
+    const Entrants entrants = make_entrants(settings, mesh, progress);
+    SortContestant sort(mesh.triangles.size());
+    std::vector<Contestant*> contestants;
+    for (const auto& entrant : entrants)
+        contestants.push_back(entrant.get());
+    contestants.push_back(&sort);
+    run_rounds(contestants, settings.runs, progress);
+
     std::vector<BuildResult> results;
-    for (const Entrant& entrant : entrants) {
+    for (const auto& entrant : entrants) {
         throw_if_interrupted();
-        BuildResult result = summarize_runs(entrant.builder, scene, mesh, entrant.runs);
-        result.native_sort_ms = sort_ms;
-        describe_tree(result, entrant.builder.download(), mesh, settings.validated);
+        BuildResult result = entrant->result();
+        result.scene = scene;
+        result.native_sort_ms = sort.milliseconds();
+        describe_tree(result, entrant->tree(), mesh, settings.validated);
         results.push_back(std::move(result));
     }
     return results;

@@ -4,6 +4,7 @@
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/device/context.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,16 +17,18 @@ namespace clbvh::tool {
 /// What a benchmark does with each scene.
 struct BenchSettings {
     std::vector<std::string> builders;  ///< Ids, each once.
+    bool peers = false;                 ///< Other libraries' builders stand beside them.
     std::uint32_t runs = 5;             ///< Timed runs of each builder.
     bool validated = true;
     BuildOptions options;
+    std::optional<Context> context;  ///< Where device builders run; needed where there are any.
 };
 
 /// Times every builder and the native sort on one mesh, and describes the last tree of each builder.
 ///
 /// One round runs each of them once, and each round begins with another one, so that all meet the same noise and every
 /// neighbour. The first round warms up and is not counted.
-[[nodiscard]] std::vector<BuildResult> bench_scene(const BenchSettings& settings, const Context& context,
-                                                   std::string_view scene, const Mesh& mesh, ProgressBar& bar);
+[[nodiscard]] std::vector<BuildResult> bench_scene(const BenchSettings& settings, std::string_view scene,
+                                                   const Mesh& mesh, ProgressBar& bar);
 
 }  // namespace clbvh::tool

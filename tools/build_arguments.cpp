@@ -1,14 +1,19 @@
 #include "build_arguments.hpp"
 
+#include <clbvh/core/error.hpp>
 #include <initializer_list>
 #include <optional>
 #include <string_view>
-#include <vector>
+#include <type_traits>
 
 namespace clbvh::tool {
 namespace {
 
-constexpr const char* kTuning = "Tuning";
+constexpr const char* kTree = "Trees of all builders";
+constexpr const char* kHost = "Host builders";
+constexpr const char* kDevice = "Device builders";
+constexpr const char* kTuning = "Tuning of device builders";
+constexpr const char* kPaperPresplitLevel = "14";
 
 /// An option whose value is one of the names of `values`; the first of them is the default.
 template <typename Enum>
@@ -25,21 +30,80 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, Enum& target
         ->default_str(std::string(to_string(target)));
 }
 
-void add_size(CLI::App& command, const std::string& name, std::uint32_t& target, const std::string& help) {
-    command.add_option(name, target, help)->group(kTuning)->type_name("N")->capture_default_str();
-}
-
 }  // namespace
 
+template <typename Field>
+CLI::Option* BuildArguments::add_number(CLI::App& command, const std::string& name, Field field,
+                                        const std::string& help) {
+    checked_.push_back({name, [field](const BuildOptions& from, BuildOptions& to) { to.*field = from.*field; }});
+    const bool whole = std::is_integral_v<std::remove_reference_t<decltype(options.*field)>>;
+    return command.add_option(name, options.*field, help)->type_name(whole ? "N" : "X")->capture_default_str();
+}
+
 void BuildArguments::add_options(CLI::App& command) {
-    command.add_option("--device", device, "Index, type (gpu, cpu, accelerator) or part of a name; see clbvh devices")
-        ->type_name("D");
+    add_tree_options(command);
+    add_host_options(command);
+    add_device_options(command);
+    add_device_tuning(command);
+}
+
+void BuildArguments::check() const {
+    for (const Checked& option : checked_) {
+        BuildOptions alone;
+        option.copy(options, alone);
+        try {
+            check_options(alone);
+        } catch (const Error& error) {
+            throw Error(error.code(), option.name + ": " + error.what());
+        }
+    }
+    check_options(options);
+}
+
+void BuildArguments::add_tree_options(CLI::App& command) {
+    add_number(command, "--max-leaf", &BuildOptions::max_leaf_size,
+               "Merge leaves up to this size as far as that lowers the SAH cost; 0: as the builder leaves them")
+        ->group(kTree);
+    add_number(command, "--presplit", &BuildOptions::presplit_level,
+               "Split triangles with an edge whose box exceeds the scene's volume / 2^LEVEL; off unless given")
+        ->group(kTree)
+        ->type_name("[LEVEL]")
+        ->expected(0, 1)
+        ->default_str(kPaperPresplitLevel);
+    add_number(command, "--inner-cost", &BuildOptions::inner_cost, "SAH cost of visiting an inner node")->group(kTree);
+    add_number(command, "--primitive-cost", &BuildOptions::primitive_cost, "SAH cost of testing a primitive")
+        ->group(kTree);
+}
+
+void BuildArguments::add_host_options(CLI::App& command) {
+    add_number(command, "--threads", &BuildOptions::thread_count, "Threads of the host's work; 0: all")->group(kHost);
+    add_number(command, "--bins", &BuildOptions::bin_count, "Bins an axis of builders that bin, 2 to 64")->group(kHost);
     command
-        .add_option("--radius", options.search_radius, "Neighbours searched to each side by PLOC and PLOC++, 1 to 32")
-        ->type_name("R")
-        ->capture_default_str();
+        .add_flag("--longest-axis", options.bin_longest_axis_only,
+                  "Bin along the longest axis of the centroids' bounds only")
+        ->group(kHost);
+    add_number(command, "--alpha", &BuildOptions::split_alpha,
+               "Least overlap, relative to the scene's area, that spatial splits are tried for, 0 to 1")
+        ->group(kHost);
+    add_number(command, "--budget", &BuildOptions::reference_budget,
+               "Most references of spatial splits, as a multiple of the primitives, 1 to 8")
+        ->group(kHost);
+}
+
+void BuildArguments::add_device_options(CLI::App& command) {
+    command.add_option("--device", device, "Index, type (gpu, cpu, accelerator) or part of a name; see clbvh devices")
+        ->group(kDevice)
+        ->type_name("D");
+    add_number(command, "--radius", &BuildOptions::search_radius,
+               "Neighbours searched to each side by PLOC and PLOC++, 1 to 32")
+        ->group(kDevice)
+        ->type_name("R");
     add_choice(command, "--shape", options.shape, {Shape::automatic, Shape::group, Shape::lane}, shape_from,
-               "How kernels lay their work out");
+               "How kernels lay their work out")
+        ->group(kDevice);
+}
+
+void BuildArguments::add_device_tuning(CLI::App& command) {
     add_choice(command, "--sort-shape", options.sort_shape, {Shape::automatic, Shape::group, Shape::lane}, shape_from,
                "How the sort's kernels lay their work out")
         ->group(kTuning);
@@ -54,13 +118,18 @@ void BuildArguments::add_options(CLI::App& command) {
                {NeighbourSearch::automatic, NeighbourSearch::symmetric, NeighbourSearch::scan}, neighbour_search_from,
                "How the group shape finds neighbours")
         ->group(kTuning);
-    add_size(command, "--threshold", options.single_group_threshold,
-             "plocpp: clusters below which one work group finishes the tree");
-    add_size(command, "--chunk", options.chunk_size, "Clusters per chunk of the lane shape; 0: chosen for the device");
-    add_size(command, "--work-group", options.work_group_size,
-             "Work items per group of the group shape; 0: chosen for the device");
-    add_size(command, "--ranges", options.range_count,
-             "plocpp-two-level: least number of Morton ranges; 0: chosen for the device");
+    add_number(command, "--threshold", &BuildOptions::single_group_threshold,
+               "plocpp: clusters below which one work group finishes the tree")
+        ->group(kTuning);
+    add_number(command, "--chunk", &BuildOptions::chunk_size,
+               "Clusters per chunk of the lane shape; 0: chosen for the device")
+        ->group(kTuning);
+    add_number(command, "--work-group", &BuildOptions::work_group_size,
+               "Work items per group of the group shape; 0: chosen for the device")
+        ->group(kTuning);
+    add_number(command, "--ranges", &BuildOptions::range_count,
+               "plocpp-two-level: least number of Morton ranges; 0: chosen for the device")
+        ->group(kTuning);
 }
 
 }  // namespace clbvh::tool

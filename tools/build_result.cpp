@@ -1,7 +1,9 @@
 #include "build_result.hpp"
 
 #include <fmt/core.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <clbvh/core/validate.hpp>
 #include <clbvh/metrics/sah.hpp>
 #include <cstddef>
@@ -28,18 +30,16 @@ double BuildResult::mtris_per_s() const {
 }
 
 double BuildResult::peak_bytes_per_primitive() const {
-    return triangles > 0 ? static_cast<double>(peak_device_bytes) / static_cast<double>(triangles) : 0.0;
+    return triangles > 0 ? static_cast<double>(peak_bytes) / static_cast<double>(triangles) : 0.0;
 }
 
-BuildResult summarize_runs(const Builder& builder, std::string_view scene, const Mesh& mesh,
-                           std::span<const BuildStats> runs) {
+double BuildResult::primitives_per_leaf() const {
+    return leaves > 0 ? static_cast<double>(references) / static_cast<double>(leaves) : 0.0;
+}
+
+BuildResult summarize_runs(std::span<const BuildStats> runs) {
     const BuildStats& last = runs.back();
     BuildResult result;
-    result.scene = scene;
-    result.triangles = mesh.triangles.size();
-    result.builder = builder.info().id;
-    result.shape = builder.shape();
-    result.radius = builder.info().uses_search_radius ? builder.options().search_radius : 0;
     result.build_ms = over_runs(runs, [](const BuildStats& run) { return run.build_ms; });
     result.stages = last.stages;
     for (std::size_t i = 0; i < result.stages.size(); ++i) {
@@ -49,12 +49,23 @@ BuildResult summarize_runs(const Builder& builder, std::string_view scene, const
     }
     result.launches = last.launches;
     result.iterations = last.iterations;
-    result.peak_device_bytes = last.peak_device_bytes;
+    result.peak_bytes = std::max(last.peak_device_bytes, last.peak_host_bytes);
     result.inactive_primitives = last.inactive_primitives;
     return result;
 }
 
+BuildResult summarize_runs(const Builder& builder, std::span<const BuildStats> runs) {
+    BuildResult result = summarize_runs(runs);
+    result.builder = builder.info().id;
+    result.kind = builder.info().kind;
+    if (result.kind == BuilderKind::host) result.threads = host_threads(builder.options());
+    result.shape = builder.shape();
+    result.radius = builder.info().uses_search_radius ? builder.options().search_radius : 0;
+    return result;
+}
+
 void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool validated) {
+    result.triangles = mesh.triangles.size();
     if (validated) {
         const ValidationReport report = validate(bvh, mesh);
         result.valid = report.valid;
@@ -62,14 +73,16 @@ void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool v
         result.depth = report.depth;
         result.nodes = report.nodes;
         result.leaves = report.leaves;
-    } else {
-        const TreeExtent extent = measure_extent(bvh);
-        result.depth = extent.depth;
-        result.nodes = extent.nodes;
-        result.leaves = extent.leaves;
     }
     // A broken tree may have cycles: no cost of it is defined.
-    result.sah = result.valid.value_or(true) ? sah_cost(bvh) : std::numeric_limits<double>::quiet_NaN();
+    result.sah = std::numeric_limits<double>::quiet_NaN();
+    if (!result.valid.value_or(true)) return;
+    const TreeExtent extent = measure_extent(bvh);
+    result.depth = extent.depth;
+    result.nodes = extent.nodes;
+    result.leaves = extent.leaves;
+    result.references = extent.references;
+    result.sah = sah_cost(bvh);
 }
 
 int report_invalid_trees(std::span<const BuildResult> results) {
@@ -78,9 +91,18 @@ int report_invalid_trees(std::span<const BuildResult> results) {
         if (result.valid.value_or(true)) continue;
         fmt::print(stderr, "clbvh: the tree of {} over {} is not valid: {}\n", result.builder, result.scene,
                    result.validation_error);
-        code = kExitInvalidTree;
+        if (!result.is_peer) code = kExitInvalidTree;
     }
     return code;
+}
+
+std::uint32_t host_threads(const BuildOptions& options) {
+    return options.thread_count > 0 ? options.thread_count
+                                    : static_cast<std::uint32_t>(tbb::this_task_arena::max_concurrency());
+}
+
+std::string_view to_string(BuilderKind kind) {
+    return kind == BuilderKind::host ? "host" : "device";
 }
 
 }  // namespace clbvh::tool

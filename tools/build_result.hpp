@@ -19,20 +19,24 @@ struct BuildResult {
     std::string scene;
     std::uint64_t triangles = 0;
     std::string builder;
-    Shape shape = Shape::automatic;
-    std::uint32_t radius = 0;  ///< 0 for a builder without a search radius.
+    BuilderKind kind = BuilderKind::device;
+    bool is_peer = false;            ///< A builder of another library.
+    Shape shape = Shape::automatic;  ///< automatic for a host builder.
+    std::uint32_t radius = 0;        ///< 0 for a builder without a search radius.
+    std::uint32_t threads = 0;       ///< Of a host builder; 0 elsewhere.
     Sample build_ms;
     std::vector<StageStats> stages;  ///< Medians of the times.
     std::uint32_t launches = 0;
     std::uint32_t iterations = 0;
-    std::uint64_t peak_device_bytes = 0;
+    std::uint64_t peak_bytes = 0;  ///< The larger of the device's and the host's, input excluded.
     std::uint64_t inactive_primitives = 0;
 
     double sah = 0.0;  ///< NaN where the tree is not valid.
     std::uint32_t depth = 0;
     std::uint64_t nodes = 0;
     std::uint64_t leaves = 0;
-    std::optional<bool> valid;  ///< Absent where the tree was not validated.
+    std::uint64_t references = 0;  ///< Primitives of all leaves together.
+    std::optional<bool> valid;     ///< Absent where the tree was not validated.
     std::string validation_error;
 
     /// From the making of the builder to its first tree: compilation, upload and first touch of memory included.
@@ -41,16 +45,24 @@ struct BuildResult {
 
     [[nodiscard]] double mtris_per_s() const;
     [[nodiscard]] double peak_bytes_per_primitive() const;
+    [[nodiscard]] double primitives_per_leaf() const;
 };
 
-/// Describes `runs`, of which there is at least one, all of the builder's current mesh.
-[[nodiscard]] BuildResult summarize_runs(const Builder& builder, std::string_view scene, const Mesh& mesh,
-                                         std::span<const BuildStats> runs);
+/// What `runs` cost, of which there is at least one; the fields from `build_ms` to `inactive_primitives`.
+[[nodiscard]] BuildResult summarize_runs(std::span<const BuildStats> runs);
 
-/// Fills the fields from `sah` to `validation_error`.
+/// The same, and who did it.
+[[nodiscard]] BuildResult summarize_runs(const Builder& builder, std::span<const BuildStats> runs);
+
+/// Fills the numbers of triangles and the fields from `sah` to `validation_error`.
 void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool validated);
 
-/// Tells standard error about each tree that failed validation, and returns the exit code.
+/// Tells standard error about each tree that failed validation, and returns the exit code: a peer's tree is no failure.
 [[nodiscard]] int report_invalid_trees(std::span<const BuildResult> results);
+
+/// How many threads a host builder with these options runs on.
+[[nodiscard]] std::uint32_t host_threads(const BuildOptions& options);
+
+[[nodiscard]] std::string_view to_string(BuilderKind kind);  ///< "host", "device"
 
 }  // namespace clbvh::tool

@@ -4,15 +4,18 @@
 #include <clbvh/io/bvh_file.hpp>
 #include <clbvh/io/scene.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "build_arguments.hpp"
 #include "build_report.hpp"
 #include "build_result.hpp"
+#include "builder_choice.hpp"
 #include "command.hpp"
 #include "interrupt.hpp"
 #include "json_output.hpp"
+#include "open_builder.hpp"
 #include "output_file.hpp"
 #include "progress_bar.hpp"
 #include "result_json.hpp"
@@ -32,14 +35,15 @@ struct Arguments {
 
 /// What needs no mesh is checked first: loading one may take long.
 void check_arguments(const Arguments& arguments) {
-    check_options(arguments.build.options);
+    arguments.build.check();
     static_cast<void>(find_builder(arguments.builder));
     arguments.json.require_writable();
     if (!arguments.output.empty()) require_writable(arguments.output);
 }
 
 /// Builds twice: some drivers compile a kernel only when it is first launched, and times are without compilation.
-Bvh build_twice(const Arguments& arguments, const Context& context, const Mesh& mesh, BuildResult& result) {
+Bvh build_twice(const Arguments& arguments, const std::optional<Context>& context, const Mesh& mesh,
+                BuildResult& result) {
     constexpr double kRuns = 2.0;
     ProgressBar bar;
     double finished_runs = 0.0;
@@ -49,20 +53,21 @@ Bvh build_twice(const Arguments& arguments, const Context& context, const Mesh& 
         return !interrupted();
     };
     const Stopwatch first_build;
-    Builder builder(arguments.builder, context, options);
+    Builder builder = open_builder(arguments.builder, context, options);
     builder.upload(mesh);
     builder.run();
     const double first_build_ms = first_build.milliseconds();
     finished_runs = 1.0;
     const BuildStats stats = builder.run();
-    result = summarize_runs(builder, arguments.scene, mesh, std::span(&stats, 1));
+    result = summarize_runs(builder, std::span(&stats, 1));
+    result.scene = arguments.scene;
     result.first_build_ms = first_build_ms;
     return builder.download();
 }
 
 int build(const Arguments& arguments) {
     check_arguments(arguments);
-    const Context context = Context::open(arguments.build.device);
+    const std::optional<Context> context = choose_builders(arguments.builder, arguments.build.device).context;
     const Stopwatch load;
     const Mesh mesh = load_scene(arguments.scene);
     const double load_ms = load.milliseconds();
@@ -72,11 +77,11 @@ int build(const Arguments& arguments) {
     const Bvh bvh = build_twice(arguments, context, mesh, result);
     describe_tree(result, bvh, mesh, arguments.validate);
     throw_if_interrupted();
-    if (arguments.json.leaves_standard_output()) fmt::print("{}", build_report(context.device(), result, load_ms));
+    if (arguments.json.leaves_standard_output()) fmt::print("{}", build_report(context, result, load_ms));
     const bool invalid = !result.valid.value_or(true);
     if (!arguments.output.empty() && !invalid) write_bvh(bvh, arguments.output);
     const std::span<const BuildResult> results(&result, 1);
-    arguments.json.write(to_json(context.device(), results));
+    arguments.json.write(to_json(context, results));
     return report_invalid_trees(results);
 }
 

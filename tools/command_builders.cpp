@@ -1,10 +1,13 @@
 #include <fmt/core.h>
 
+#include <clbvh/core/error.hpp>
+#include <clbvh/device/device.hpp>
 #include <clbvh/registry.hpp>
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "build_result.hpp"
 #include "command.hpp"
 #include "exit_code.hpp"
 #include "json_output.hpp"
@@ -13,25 +16,38 @@
 namespace clbvh::tool {
 namespace {
 
-std::string_view kind_name(BuilderKind kind) {
-    return kind == BuilderKind::host ? "host" : "device";
+/// Why no device builder can run here; empty where they can.
+std::string missing_device() {
+    try {
+        static_cast<void>(pick_device());
+        return {};
+    } catch (const Error& error) {
+        return error.what();
+    }
 }
 
 int list(const JsonOutput& json) {
     json.require_writable();
-    Table table({"builder", "runs on", "radius", "paper", "title"}, Table::Align::left);
+    const std::string missing = missing_device();
+    Table table({"builder", "runs on", "available", "radius", "paper", "title"}, Table::Align::left);
     nlohmann::ordered_json entries = nlohmann::ordered_json::array();
     for (const BuilderInfo& builder : builders()) {
-        table.add_row({std::string(builder.id), std::string(kind_name(builder.kind)),
+        const std::string_view reason = builder.kind == BuilderKind::device ? missing : std::string_view{};
+        table.add_row({std::string(builder.id), std::string(to_string(builder.kind)), reason.empty() ? "yes" : "no",
                        builder.uses_search_radius ? "yes" : "no", std::string(builder.paper),
                        std::string(builder.title)});
         entries.push_back({{"id", builder.id},
                            {"title", builder.title},
                            {"paper", builder.paper},
-                           {"kind", kind_name(builder.kind)},
-                           {"uses_search_radius", builder.uses_search_radius}});
+                           {"kind", to_string(builder.kind)},
+                           {"uses_search_radius", builder.uses_search_radius},
+                           {"available", reason.empty()}});
+        if (!reason.empty()) entries.back()["reason"] = reason;
     }
-    if (json.leaves_standard_output()) fmt::print("{}", table.text());
+    if (json.leaves_standard_output()) {
+        fmt::print("{}", table.text());
+        if (!missing.empty()) fmt::print("\nWhat runs on a device is not available: {}\n", missing);
+    }
     json.write({{"builders", entries}});
     return kExitSuccess;
 }

@@ -22,9 +22,12 @@ ProgressBar::~ProgressBar() {
 }
 
 void ProgressBar::show(double fraction, std::string_view label) {
-    const auto now = std::chrono::steady_clock::now();
-    if (!terminal_ || now < next_draw_) return;
-    next_draw_ = now + kDrawInterval;
+    if (terminal_ && std::chrono::steady_clock::now() >= next_draw_) show_now(fraction, label);
+}
+
+void ProgressBar::show_now(double fraction, std::string_view label) {
+    if (!terminal_) return;
+    next_draw_ = std::chrono::steady_clock::now() + kDrawInterval;
     const double part = std::clamp(fraction, 0.0, 1.0);
     const auto filled = static_cast<std::size_t>(part * static_cast<double>(kWidth));
     fmt::print(stderr, "\r[{:#>{}}{:.>{}}] {:3.0f}% {}\x1b[K", "", filled, "", kWidth - filled, part * 100.0, label);

@@ -15,6 +15,8 @@ public:
 
     /// Shows `fraction`, 0 to 1, and what is at work. Redraws so seldom that it costs a build nothing.
     void show(double fraction, std::string_view label);
+    /// The same without fail, for what may show nothing else for a long time.
+    void show_now(double fraction, std::string_view label);
     /// Leaves a clean line for other output.
     void erase();
 

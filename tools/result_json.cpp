@@ -9,36 +9,52 @@ ordered_json sample_json(const Sample& sample) {
     return {{"median", sample.median}, {"min", sample.min}, {"max", sample.max}};
 }
 
-ordered_json stages_json(const std::vector<StageStats>& stages) {
+ordered_json stages_json(const BuildResult& result) {
     ordered_json list = ordered_json::array();
-    for (const StageStats& stage : stages) {
-        list.push_back({{"name", stage.name},
-                        {"device_ms", stage.device_ms},
-                        {"host_ms", stage.host_ms},
-                        {"launches", stage.launches}});
+    for (const StageStats& stage : result.stages) {
+        ordered_json entry{{"name", stage.name}};
+        if (result.kind == BuilderKind::device) entry["device_ms"] = stage.device_ms;
+        entry["host_ms"] = stage.host_ms;
+        if (result.kind == BuilderKind::device) entry["launches"] = stage.launches;
+        list.push_back(std::move(entry));
     }
     return list;
 }
 
-ordered_json result_json(const BuildResult& result) {
+/// Who built what, and how.
+ordered_json identity_json(const BuildResult& result) {
     ordered_json json{
         {"scene", result.scene},
         {"triangles", result.triangles},
         {"builder", result.builder},
-        {"shape", to_string(result.shape)},
-        {"radius", result.radius},
-        {"build_ms", sample_json(result.build_ms)},
-        {"mtris_per_s", result.mtris_per_s()},
-        {"stages", stages_json(result.stages)},
-        {"launches", result.launches},
-        {"iterations", result.iterations},
-        {"sah", result.sah},
-        {"depth", result.depth},
-        {"nodes", result.nodes},
-        {"leaves", result.leaves},
-        {"peak_bytes_per_primitive", result.peak_bytes_per_primitive()},
-        {"inactive_primitives", result.inactive_primitives},
+        {"kind", to_string(result.kind)},
     };
+    if (result.kind == BuilderKind::device) {
+        json["shape"] = to_string(result.shape);
+        json["radius"] = result.radius;
+    } else {
+        json["peer"] = result.is_peer;
+        json["threads"] = result.threads;
+    }
+    return json;
+}
+
+ordered_json result_json(const BuildResult& result) {
+    ordered_json json = identity_json(result);
+    json["build_ms"] = sample_json(result.build_ms);
+    json["mtris_per_s"] = result.mtris_per_s();
+    json["stages"] = stages_json(result);
+    if (result.kind == BuilderKind::device) {
+        json["launches"] = result.launches;
+        json["iterations"] = result.iterations;
+    }
+    json["sah"] = result.sah;
+    json["depth"] = result.depth;
+    json["nodes"] = result.nodes;
+    json["leaves"] = result.leaves;
+    json["references"] = result.references;
+    json["peak_bytes_per_primitive"] = result.peak_bytes_per_primitive();
+    json["inactive_primitives"] = result.inactive_primitives;
     if (result.valid) json["valid"] = *result.valid;
     if (result.first_build_ms) json["first_build_ms"] = *result.first_build_ms;
     if (result.native_sort_ms) json["native_sort_ms"] = sample_json(*result.native_sort_ms);
@@ -65,11 +81,11 @@ ordered_json to_json(const DeviceInfo& device) {
     };
 }
 
-ordered_json to_json(const DeviceInfo& device, std::span<const BuildResult> results) {
+ordered_json to_json(const std::optional<Context>& context, std::span<const BuildResult> results) {
     ordered_json list = ordered_json::array();
     for (const BuildResult& result : results)
         list.push_back(result_json(result));
-    return {{"device", to_json(device)}, {"results", std::move(list)}};
+    return {{"device", context ? to_json(context->device()) : ordered_json()}, {"results", std::move(list)}};
 }
 
 }  // namespace clbvh::tool

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <clbvh/device/device.hpp>
+#include <clbvh/device/context.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 
 #include "build_result.hpp"
@@ -10,7 +11,8 @@ namespace clbvh::tool {
 
 [[nodiscard]] nlohmann::ordered_json to_json(const DeviceInfo& device);
 
-/// The document of `build` and `bench`: the device and one entry per result.
-[[nodiscard]] nlohmann::ordered_json to_json(const DeviceInfo& device, std::span<const BuildResult> results);
+/// The document of `build` and `bench`: the device, null where none was opened, and one entry per result.
+[[nodiscard]] nlohmann::ordered_json to_json(const std::optional<Context>& context,
+                                             std::span<const BuildResult> results);
 
 }  // namespace clbvh::tool

@@ -26,6 +26,7 @@ TreeExtent measure_extent(const Bvh& bvh) {
         const Node& node = bvh.nodes[visit.node];
         if (node.is_leaf()) {
             ++extent.leaves;
+            extent.references += node.count;
         } else {
             stack.push_back({std::size_t{node.first} + 1, visit.depth + 1});
             stack.push_back({node.first, visit.depth + 1});

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "result_fields.hpp"
@@ -28,6 +30,18 @@ Words lines_of(const std::string& text) {
         }
     }
     return lines;
+}
+
+const Words kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
+
+/// The document of `bench` with one run of each builder.
+ordered_json bench(Words arguments, const Words& environment = {}) {
+    arguments.insert(arguments.begin(), "bench");
+    arguments.insert(arguments.end(), {"--runs", "1", "--json", "-"});
+    const Outcome outcome = run_tool(arguments, environment);
+    INFO(outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    return ordered_json::parse(outcome.out);
 }
 
 std::size_t count_lines_that_start_with(const std::string& text, const std::string& start) {
@@ -83,8 +97,8 @@ TEST_CASE("bench prints one table a scene, and the means of several") {
     const Outcome two = run_tool({"bench", "gen:soup:1000", "gen:line:1000", "--runs", "1"});
     REQUIRE(two.exit_code == 0);
     CHECK_THAT(two.out, Contains("geometric means over 2 scenes"));
-    for (const char* column : {"median ms", "min ms", "Mtris/s", "vs ploc", "x sort", "SAH", "depth", "launches",
-                               "iterations", "bytes/prim", "valid"}) {
+    for (const char* column : {"median ms", "min ms", "Mtris/s", "vs ploc", "x sort", "SAH", "SAH/binned-sah", "depth",
+                               "leaves", "prims/leaf", "bytes/prim", "valid"}) {
         CHECK_THAT(one.out, Contains(column));
     }
     for (const BuilderInfo& builder : builders()) {
@@ -103,11 +117,74 @@ TEST_CASE("the columns of bench's table are aligned") {
         CHECK(lines.at(i).size() == lines.at(1).size());
 }
 
-TEST_CASE("without ploc there is nothing to be faster than") {
-    const Outcome outcome = run_tool({"bench", "gen:soup:1000", "--builders", "lbvh", "--runs", "1"});
-    REQUIRE(outcome.exit_code == 0);
-    const std::string row = lines_of(outcome.out).at(2);
-    CHECK_THAT(row, StartsWith("lbvh ") && Contains("  -  ") && !Contains("x  "));
+TEST_CASE("bench compares with what ran") {
+    const auto table_of = [](const std::string& list) {
+        const Outcome outcome = run_tool({"bench", "gen:soup:1000", "--builders", list, "--runs", "1"});
+        REQUIRE(outcome.exit_code == 0);
+        return lines_of(outcome.out);
+    };
+    CHECK_THAT(table_of("lbvh").at(1), !Contains("vs ") && !Contains("SAH/"));
+    CHECK_THAT(table_of("lbvh,ploc").at(1), Contains("vs ploc") && Contains("SAH/ploc"));
+    CHECK_THAT(table_of("median,binned-sah").at(1), Contains("vs binned-sah") && Contains("SAH/binned-sah"));
+    const Words both = table_of("binned-sah,ploc");
+    CHECK_THAT(both.at(1), Contains("vs ploc") && Contains("SAH/binned-sah"));
+    CHECK_THAT(both.at(2), StartsWith("binned-sah ") && Contains(" 1.0000 "));
+    CHECK_THAT(both.at(3), StartsWith("ploc ") && Contains(" 1.00x "));
+}
+
+TEST_CASE("groups stand for their builders, each once, beside ids") {
+    for (const auto& [list, first, kinds] :
+         {std::tuple{"host", "", Words{"host"}}, std::tuple{"device", "", Words{"device"}},
+          std::tuple{"lbvh,host", "lbvh", Words{"host"}},
+          std::tuple{"median,all", "median", Words{"host", "device"}}}) {
+        INFO(list);
+        Words expected;
+        if (*first != 0) expected.emplace_back(first);
+        for (const BuilderInfo& builder : builders()) {
+            const std::string kind = builder.kind == BuilderKind::host ? "host" : "device";
+            const bool chosen = std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+            if (chosen && builder.id != first) expected.emplace_back(builder.id);
+        }
+        const ordered_json results = bench({"gen:soup:500", "--builders", list})["results"];
+        Words names;
+        for (const ordered_json& result : results)
+            names.push_back(result["builder"]);
+        CHECK(names == expected);
+    }
+}
+
+TEST_CASE("without a device, bench runs the host builders and says why no others") {
+    const ordered_json document = bench({"gen:soup:1000"}, kNoDriver);
+    CHECK(field_names(document) == Words{"device", "results", "unavailable"});
+    CHECK(document["device"].is_null());
+    std::size_t ran = 0;
+    std::size_t unavailable = 0;
+    for (const BuilderInfo& builder : builders()) {
+        if (builder.kind == BuilderKind::host) {
+            CHECK(document["results"].at(ran)["builder"] == builder.id);
+            check_result(document["results"][ran++], {"valid", "native_sort_ms"});
+        } else {
+            const ordered_json& entry = document["unavailable"].at(unavailable++);
+            CHECK(entry["builder"] == builder.id);
+            CHECK_THAT(entry["reason"].get<std::string>(), Contains("pocl-opencl-icd"));
+        }
+    }
+    CHECK(document["results"].size() == ran);
+    CHECK(document["unavailable"].size() == unavailable);
+    const Outcome text = run_tool({"bench", "gen:soup:1000", "--runs", "1"}, kNoDriver);
+    CHECK(text.exit_code == 0);
+    CHECK_THAT(text.out, Contains("not available: ploc, ") && Contains("pocl-opencl-icd") &&
+                             Contains("\nbinned-sah ") && !Contains("vs ploc"));
+}
+
+TEST_CASE("without a device, a device builder that is asked for is an error") {
+    for (const char* list : {"lbvh", "binned-sah,lbvh", "device", "all,ploc"}) {
+        INFO(list);
+        const Outcome outcome = run_tool({"bench", "gen:soup:10", "--builders", list}, kNoDriver);
+        CHECK(outcome.exit_code == 1);
+        CHECK(outcome.out.empty());
+        CHECK_THAT(outcome.err, Contains("pocl-opencl-icd"));
+    }
 }
 
 TEST_CASE("bench names what is wrong with its input, and prints no table") {

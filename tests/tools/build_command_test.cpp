@@ -6,6 +6,7 @@
 #include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "result_fields.hpp"
@@ -22,25 +23,32 @@ namespace {
 
 using Words = std::vector<std::string>;
 
+const Words kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
+
 /// Runs `build` with JSON on standard output, and returns the one result.
-ordered_json result_of(Words arguments) {
+ordered_json result_of(Words arguments, const Words& environment = {}) {
     arguments.insert(arguments.begin(), "build");
     arguments.insert(arguments.end(), {"--json", "-"});
-    const Outcome outcome = run_tool(arguments);
+    const Outcome outcome = run_tool(arguments, environment);
     INFO(outcome.err);
     REQUIRE(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     const ordered_json document = ordered_json::parse(outcome.out);
     CHECK(field_names(document) == Words{"device", "results"});
-    check_device(document["device"]);
     REQUIRE(document["results"].size() == 1);
-    return document["results"][0];
+    const ordered_json& result = document["results"][0];
+    if (result["kind"] == "device") {
+        check_device(document["device"]);
+    } else {
+        CHECK(document["device"].is_null());
+    }
+    return result;
 }
 
-void expect_failure(Words arguments, const Words& parts) {
+void expect_failure(Words arguments, const Words& parts, const Words& environment = {}) {
     arguments.insert(arguments.begin(), "build");
     arguments.insert(arguments.end(), {"--json", "-"});
-    const Outcome outcome = run_tool(arguments);
+    const Outcome outcome = run_tool(arguments, environment);
     INFO(outcome.err);
     CHECK(outcome.exit_code == 1);
     CHECK(outcome.out.empty());
@@ -59,7 +67,8 @@ TEST_CASE("build describes what every builder did") {
         CHECK(result["scene"] == "gen:soup:3000:7");
         CHECK(result["triangles"] == 3000);
         CHECK(result["builder"] == builder.id);
-        CHECK(result["radius"] == (builder.uses_search_radius ? 8 : 0));
+        CHECK(result["kind"] == (builder.kind == BuilderKind::device ? "device" : "host"));
+        if (builder.kind == BuilderKind::device) CHECK(result["radius"] == (builder.uses_search_radius ? 8 : 0));
         CHECK(result["valid"] == true);
         CHECK(result["first_build_ms"].get<double>() > 0.0);
     }
@@ -91,6 +100,69 @@ TEST_CASE("build obeys the options of a build") {
     CHECK(iterations("64") > iterations("16384"));
 }
 
+TEST_CASE("build obeys the options of host builders") {
+    const auto result_with = [](const Words& options) {
+        Words words{"gen:clustered:3000", "--builder", "binned-sah"};
+        words.insert(words.end(), options.begin(), options.end());
+        return result_of(words);
+    };
+    const ordered_json plain = result_with({});
+    CHECK(plain["leaves"] < plain["triangles"]);
+    CHECK(result_with({"--max-leaf", "1"})["leaves"] == plain["triangles"]);
+    CHECK(result_with({"--bins", "2"})["sah"] > plain["sah"]);
+    CHECK(result_with({"--longest-axis"})["sah"] > plain["sah"]);
+    CHECK(result_with({"--inner-cost", "10"})["leaves"] < plain["leaves"]);
+    CHECK(result_with({"--primitive-cost", "10"})["leaves"] > plain["leaves"]);
+    const ordered_json single = result_with({"--threads", "1"});
+    CHECK(single["threads"] == 1);
+    for (const char* field : {"sah", "depth", "nodes", "leaves"})
+        CHECK(single[field] == plain[field]);
+}
+
+TEST_CASE("build obeys the options for trees of all builders") {
+    for (const char* builder : {"plocpp", "median"}) {
+        INFO(builder);
+        const Words words{"gen:hair:3000", "--builder", builder, "--validate"};
+        const auto result_with = [&words](const Words& options) {
+            Words all = words;
+            all.insert(all.end(), options.begin(), options.end());
+            return result_of(all);
+        };
+        const ordered_json plain = result_with({});
+        CHECK(plain["references"] == 3000);
+        const ordered_json single = result_with({"--max-leaf", "1"});
+        CHECK(single["leaves"] == 3000);
+        CHECK(result_with({"--max-leaf", "4"})["sah"] < single["sah"]);
+        const ordered_json split = result_with({"--presplit"});
+        CHECK(split["valid"] == true);
+        CHECK(split["references"] > 3000);
+        CHECK(result_with({"--presplit", "1"})["references"] == 3000);
+    }
+}
+
+TEST_CASE("build obeys the options of spatial splits") {
+    const auto references = [](const Words& options) {
+        Words words{"gen:hair:3000", "--builder", "sbvh"};
+        words.insert(words.end(), options.begin(), options.end());
+        return result_of(words)["references"].get<int>();
+    };
+    CHECK(references({}) > 3000);
+    CHECK(references({"--budget", "1"}) == 3000);
+    CHECK(references({"--alpha", "1"}) < references({}));
+}
+
+TEST_CASE("without a device, host builders build and device builders say what to install") {
+    for (const BuilderInfo& builder : builders()) {
+        const Words words{"gen:soup:1000", "--builder", std::string(builder.id), "--validate"};
+        INFO(builder.id);
+        if (builder.kind == BuilderKind::host) {
+            CHECK(result_of(words, kNoDriver)["valid"] == true);
+        } else {
+            expect_failure(words, {"pocl-opencl-icd"}, kNoDriver);
+        }
+    }
+}
+
 TEST_CASE("tuning does not change the tree's size") {
     for (const Words& tuning :
          {Words{"--encoding", "bits64", "--search", "scan", "--shape", "group"},
@@ -111,6 +183,15 @@ TEST_CASE("build prints a summary for people") {
                              "5999 nodes, 3000 leaves", "valid", "bounds", "morton", "sort", "cluster", "layout"}) {
         CHECK_THAT(outcome.out, Contains(part));
     }
+}
+
+TEST_CASE("the summary of a host builder speaks of no device") {
+    const Outcome outcome = run_tool({"build", "gen:soup:3000", "--builder", "median", "--threads", "1"}, kNoDriver);
+    CHECK(outcome.exit_code == 0);
+    CHECK(outcome.err.empty());
+    CHECK_THAT(outcome.out, Contains("median, on the host, 1 threads") && Contains("Mtris/s") && Contains("stage"));
+    for (const char* word : {"device", "shape", "launches", "iterations", "kernels"})
+        CHECK_THAT(outcome.out, !Contains(word));
 }
 
 TEST_CASE("the file that build writes is the tree that it describes") {
@@ -135,6 +216,12 @@ TEST_CASE("build names what is wrong with its input") {
     expect_failure({"/nonexistent/scene.obj"}, {"/nonexistent/scene.obj"});
     expect_failure({"gen:soup:10", "--radius", "0"}, {"radius is 0", "1 to 32"});
     expect_failure({"gen:soup:10", "--radius", "33"}, {"radius is 33", "1 to 32"});
+    for (const auto& [option, value] :
+         {std::pair{"--max-leaf", "65"}, std::pair{"--presplit", "41"}, std::pair{"--inner-cost", "0"},
+          std::pair{"--primitive-cost", "-1"}, std::pair{"--threads", "1025"}, std::pair{"--bins", "1"},
+          std::pair{"--alpha", "1.5"}, std::pair{"--budget", "0.5"}, std::pair{"--threshold", "1"}}) {
+        expect_failure({"gen:soup:10", option, value}, {std::string(option) + ": ", std::string(" is ") + value});
+    }
     expect_failure({"gen:soup:10", "--device", "no such device"}, {"no such device"});
 }
 

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <clbvh/core/error.hpp>
 #include <cmath>
+#include <optional>
 #include <result_json.hpp>
 #include <tree_extent.hpp>
 #include <vector>
@@ -30,6 +31,8 @@ TEST_CASE("a tree's extent is counted with and without validation") {
         CHECK(result.depth == 1);
         CHECK(result.nodes == 3);
         CHECK(result.leaves == 2);
+        CHECK(result.references == 2);
+        CHECK(result.primitives_per_leaf() == 1.0);
         // One root, and two leaves that each have a fifth of its area.
         CHECK(result.sah == Approx(1.2 + 2 * 0.2));
         CHECK(report_invalid_trees(std::span(&result, 1)) == 0);
@@ -48,7 +51,9 @@ TEST_CASE("a tree that is not valid has no cost, and its own exit code") {
     CHECK_FALSE(results[1].validation_error.empty());
     CHECK(std::isnan(results[1].sah));
     CHECK(report_invalid_trees(results) == 3);
-    const auto json = to_json(DeviceInfo{}, results)["results"];
+    results[1].is_peer = true;
+    CHECK(report_invalid_trees(results) == 0);
+    const auto json = to_json(std::nullopt, results)["results"];
     CHECK(json[0]["valid"] == true);
     CHECK(json[1]["valid"] == false);
     CHECK(nlohmann::ordered_json::parse(json.dump())[1]["sah"].is_null());

@@ -4,6 +4,7 @@
 #include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "result_fields.hpp"
 #include "scratch_folder.hpp"
@@ -37,8 +38,27 @@ TEST_CASE("builders lists the table of builders") {
         CHECK(list[i]["paper"] == builder.paper);
         CHECK(list[i]["kind"] == (builder.kind == BuilderKind::device ? "device" : "host"));
         CHECK(list[i]["uses_search_radius"] == builder.uses_search_radius);
+        CHECK(list[i]["available"] == true);
         CHECK_THAT(table.out, Contains(std::string(builder.id)) && Contains(std::string(builder.title)));
     }
+}
+
+TEST_CASE("without a device, builders says which of them cannot run, and why") {
+    const std::vector<std::string> no_driver{"OCL_ICD_VENDORS=/nonexistent/"};
+    const Outcome outcome = run_tool({"builders", "--json", "-"}, no_driver);
+    REQUIRE(outcome.exit_code == 0);
+    const ordered_json list = ordered_json::parse(outcome.out)["builders"];
+    REQUIRE(list.size() == builders().size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        const bool on_host = builders()[i].kind == BuilderKind::host;
+        CHECK(list[i]["available"] == on_host);
+        CHECK(list[i].contains("reason") == !on_host);
+        if (!on_host) CHECK_THAT(list[i]["reason"].get<std::string>(), Contains("pocl-opencl-icd"));
+    }
+    const Outcome table = run_tool({"builders"}, no_driver);
+    CHECK(table.exit_code == 0);
+    CHECK_THAT(table.out, Contains("not available: ") && Contains("pocl-opencl-icd"));
+    CHECK_THAT(run_tool({"builders"}).out, !Contains("not available: "));
 }
 
 TEST_CASE("scenes lists the generators") {

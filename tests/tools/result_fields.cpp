@@ -15,7 +15,11 @@ void check_sample(const ordered_json& sample) {
     CHECK(sample["median"].get<double>() <= sample["max"].get<double>());
 }
 
-void check_stages(const ordered_json& result) {
+bool ran_on_device(const ordered_json& result) {
+    return result["kind"] == "device";
+}
+
+void check_device_stages(const ordered_json& result) {
     Names names;
     std::uint64_t launches = 0;
     for (const ordered_json& stage : result["stages"]) {
@@ -30,6 +34,41 @@ void check_stages(const ordered_json& result) {
     CHECK(result["launches"] == launches);
 }
 
+void check_host_stages(const ordered_json& result) {
+    REQUIRE_FALSE(result["stages"].empty());
+    CHECK(result["stages"][0]["name"] == "bounds");
+    for (const ordered_json& stage : result["stages"]) {
+        CHECK(field_names(stage) == Names{"name", "host_ms"});
+        CHECK_FALSE(stage["name"].get<std::string>().empty());
+        CHECK(stage["host_ms"].get<double>() >= 0.0);
+    }
+}
+
+/// Names of the fields of every result, in their order.
+Names common_names(bool on_device) {
+    Names names{"scene", "triangles", "builder", "kind"};
+    const Names identity = on_device ? Names{"shape", "radius"} : Names{"peer", "threads"};
+    const Names cost{"build_ms", "mtris_per_s", "stages"};
+    const Names launches = on_device ? Names{"launches", "iterations"} : Names{};
+    const Names tree{
+        "sah", "depth", "nodes", "leaves", "references", "peak_bytes_per_primitive", "inactive_primitives"};
+    for (const Names& part : {identity, cost, launches, tree})
+        names.insert(names.end(), part.begin(), part.end());
+    return names;
+}
+
+void check_identity(const ordered_json& result) {
+    if (ran_on_device(result)) {
+        CHECK((result["shape"] == "group" || result["shape"] == "lane"));
+        CHECK(result["radius"].is_number_unsigned());
+        CHECK(result["iterations"].is_number_unsigned());
+    } else {
+        CHECK(result["kind"] == "host");
+        CHECK(result["peer"].is_boolean());
+        CHECK(result["threads"].get<std::uint64_t>() > 0);
+    }
+}
+
 }  // namespace
 
 Names field_names(const ordered_json& object) {
@@ -41,42 +80,33 @@ Names field_names(const ordered_json& object) {
 
 void check_result(const ordered_json& result, const Names& extra) {
     INFO(result.dump(2));
-    Names names{"scene",
-                "triangles",
-                "builder",
-                "shape",
-                "radius",
-                "build_ms",
-                "mtris_per_s",
-                "stages",
-                "launches",
-                "iterations",
-                "sah",
-                "depth",
-                "nodes",
-                "leaves",
-                "peak_bytes_per_primitive",
-                "inactive_primitives"};
+    const bool on_device = ran_on_device(result);
+    Names names = common_names(on_device);
     names.insert(names.end(), extra.begin(), extra.end());
-    CHECK(field_names(result) == names);
+    REQUIRE(field_names(result) == names);
     for (const char* name : {"scene", "builder"})
         CHECK(result[name].is_string());
-    for (const char* name :
-         {"triangles", "radius", "launches", "iterations", "depth", "nodes", "leaves", "inactive_primitives"}) {
+    for (const char* name : {"triangles", "depth", "nodes", "leaves", "references", "inactive_primitives"}) {
         INFO(name);
         CHECK(result[name].is_number_unsigned());
     }
-    CHECK((result["shape"] == "group" || result["shape"] == "lane"));
+    check_identity(result);
     check_sample(result["build_ms"]);
-    check_stages(result);
+    if (on_device) {
+        check_device_stages(result);
+    } else {
+        check_host_stages(result);
+    }
     const double triangles = result["triangles"];
     CHECK(result["mtris_per_s"].get<double>() == Approx(triangles / result["build_ms"]["median"].get<double>() / 1e3));
-    CHECK(result["leaves"] ==
-          result["triangles"].get<std::uint64_t>() - result["inactive_primitives"].get<std::uint64_t>());
+    const std::uint64_t active =
+        result["triangles"].get<std::uint64_t>() - result["inactive_primitives"].get<std::uint64_t>();
+    CHECK(result["references"] >= active);
+    CHECK(result["leaves"] <= result["references"]);
     CHECK(result["nodes"] == 2 * result["leaves"].get<std::uint64_t>() - 1);
     CHECK(result["sah"].get<double>() > 1.0);
-    // The finished nodes alone are 64 bytes per primitive.
-    CHECK(result["peak_bytes_per_primitive"].get<double>() >= 64.0);
+    // The finished nodes of a device builder are 64 bytes per primitive; a host builder's references alone are 32.
+    CHECK(result["peak_bytes_per_primitive"].get<double>() >= (on_device ? 64.0 : 32.0));
 }
 
 void check_device(const ordered_json& device) {

@@ -33,15 +33,17 @@ TEST_CASE("help names every command, and of each command every option") {
         CHECK(help.err.empty());
         CHECK_THAT(help.out, Contains("--json FILE"));
     }
-    const Words shared{"--device", "--radius",    "--shape", "--morton",     "--encoding",
-                       "--search", "--threshold", "--chunk", "--work-group", "--ranges"};
+    const Words shared{"--device",   "--radius",       "--shape",      "--morton",         "--encoding",
+                       "--search",   "--threshold",    "--chunk",      "--work-group",     "--ranges",
+                       "--max-leaf", "--presplit",     "--inner-cost", "--primitive-cost", "--threads",
+                       "--bins",     "--longest-axis", "--alpha",      "--budget"};
     for (const char* command : {"build", "bench"}) {
         const Outcome help = run_tool({command, "--help"});
         for (const std::string& option : shared)
             CHECK_THAT(help.out, Contains(option));
     }
     CHECK_THAT(run_tool({"build", "--help"}).out, Contains("--builder") && Contains("-o") && Contains("--validate"));
-    CHECK_THAT(run_tool({"bench", "--help"}).out, Contains("--builders") && Contains("--runs"));
+    CHECK_THAT(run_tool({"bench", "--help"}).out, Contains("--builders") && Contains("--runs") && Contains("--peers"));
 }
 
 TEST_CASE("the version is the project's") {
@@ -63,6 +65,8 @@ TEST_CASE("a wrong command line is a usage error") {
     expect_usage_error({"build", "gen:soup:10", "--search", "far"}, "--search");
     expect_usage_error({"build", "gen:soup:10", "--radius", "wide"}, "--radius");
     expect_usage_error({"build", "gen:soup:10", "--radius", "-1"}, "--radius");
+    expect_usage_error({"build", "gen:soup:10", "--bins", "many"}, "--bins");
+    expect_usage_error({"bench", "--presplit", "gen:soup:10", "gen:soup:20"}, "--presplit");
     expect_usage_error({"bench", "gen:soup:10", "--runs", "0"}, "--runs");
     expect_usage_error({"bench", "gen:soup:10", "--json"}, "--json");
 }

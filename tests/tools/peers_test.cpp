@@ -1,0 +1,57 @@
+#include <catch2/catch.hpp>
+#include <clbvh/core/error.hpp>
+#include <embree_peer.hpp>
+#include <nlohmann/json.hpp>
+
+#include "result_fields.hpp"
+#include "tool_process.hpp"
+
+using namespace clbvh;
+using namespace clbvh::test;
+using Catch::Matchers::Contains;
+using nlohmann::ordered_json;
+
+namespace {
+
+bool has_embree() {
+    try {
+        tool::check_embree_peers({});
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+const std::vector<std::string> kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
+
+}  // namespace
+
+TEST_CASE("bench puts its peers behind the builders, or says what to install") {
+    const Outcome outcome = run_tool(
+        {"bench", "gen:soup:1000", "--builders", "median", "--peers", "--runs", "2", "--threads", "1", "--json", "-"},
+        kNoDriver);
+    if (!has_embree()) {
+        CHECK(outcome.exit_code == 1);
+        CHECK_THAT(outcome.err, Contains("libembree-dev"));
+        return;
+    }
+    REQUIRE(outcome.exit_code == 0);
+    const ordered_json results = ordered_json::parse(outcome.out)["results"];
+    std::vector<std::string> names;
+    for (const ordered_json& result : results) {
+        check_result(result, {"valid", "native_sort_ms"});
+        CHECK(result["valid"] == true);
+        CHECK(result["threads"] == 1);
+        CHECK(result["peer"] == (result["builder"] != "median"));
+        names.push_back(result["builder"]);
+    }
+    CHECK(names == std::vector<std::string>{"median", "embree-morton", "embree-binned", "embree-sbvh"});
+}
+
+TEST_CASE("bench refuses what its peers cannot do") {
+    const Outcome outcome =
+        run_tool({"bench", "gen:soup:10", "--builders", "median", "--peers", "--max-leaf", "33"}, kNoDriver);
+    CHECK(outcome.exit_code == 1);
+    CHECK(outcome.out.empty());
+    CHECK_THAT(outcome.err, Contains(has_embree() ? "--max-leaf" : "libembree-dev"));
+}

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <clbvh/device/context.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace clbvh::tool {
+
+/// The builders that a benchmark is to run, and where.
+struct BuilderChoice {
+    std::vector<std::string> ids;              ///< Each once, in the order in which they were asked for.
+    std::optional<Context> context;            ///< Open where one of them runs on a device.
+    std::vector<std::string> unavailable_ids;  ///< What "all" stands for and cannot run here.
+    std::string reason;                        ///< Why they cannot.
+};
+
+/// Resolves a list of ids and groups with commas between them. The groups are "all", "host" and "device".
+///
+/// Device builders that only "all" asks for are left out where no device can be had; where one is asked for by its id,
+/// by "device" or by a `device` selector, that is an error. Throws what find_builder and Context::open throw.
+[[nodiscard]] BuilderChoice choose_builders(std::string_view list, std::string_view device);
+
+}  // namespace clbvh::tool

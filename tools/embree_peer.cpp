@@ -1,0 +1,254 @@
+#include "embree_peer.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <clbvh/core/error.hpp>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <string>
+#include <type_traits>
+
+#include "embree_tree.hpp"
+#include "interrupt.hpp"
+#include "split_triangle.hpp"
+#include "stopwatch.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+constexpr std::uint32_t kDefaultMaxLeafSize = 8;
+constexpr unsigned kMaxDepth = 1024;  // Deep enough for any real scene; beyond it Embree halves ranges.
+
+struct Variant {
+    std::string_view id;
+    RTCBuildQuality quality;
+};
+constexpr std::array kVariants{
+    Variant{"embree-morton", RTC_BUILD_QUALITY_LOW},
+    Variant{"embree-binned", RTC_BUILD_QUALITY_MEDIUM},
+    Variant{"embree-sbvh", RTC_BUILD_QUALITY_HIGH},
+};
+
+template <auto Release>
+struct Releaser {
+    template <typename Handle>
+    void operator()(Handle* handle) const {
+        Release(handle);
+    }
+};
+using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, Releaser<rtcReleaseDevice>>;
+using EmbreeBvh = std::unique_ptr<std::remove_pointer_t<RTCBVH>, Releaser<rtcReleaseBVH>>;
+
+struct FreeMemory {
+    // The memory comes from std::aligned_alloc. NOLINTNEXTLINE(cppcoreguidelines-no-malloc)
+    void operator()(void* memory) const { std::free(memory); }
+};
+using PrimitiveMemory = std::unique_ptr<RTCBuildPrimitive, FreeMemory>;
+
+/// On huge pages, which the library's own builders ask for too.
+PrimitiveMemory allocate_primitives(std::size_t count) {
+    constexpr std::size_t page = std::size_t{2} << 20;
+    const std::size_t bytes = (count * sizeof(RTCBuildPrimitive) / page + 1) * page;
+    PrimitiveMemory memory(static_cast<RTCBuildPrimitive*>(std::aligned_alloc(page, bytes)));
+    if (!memory) throw Error(ErrorCode::out_of_memory, "no memory for Embree's primitives");
+#if defined(__linux__)
+    // Advice only: without huge pages everything still works.
+    static_cast<void>(madvise(memory.get(), bytes, MADV_HUGEPAGE));
+#endif
+    return memory;
+}
+
+/// What Embree has allocated, as its memory monitor reports it.
+class MemoryCount {
+public:
+    void watch(RTCDevice device) { rtcSetDeviceMemoryMonitorFunction(device, add, this); }
+    [[nodiscard]] std::uint64_t peak() const { return static_cast<std::uint64_t>(peak_.load()); }
+
+private:
+    static bool add(void* self, ssize_t bytes, bool) {
+        auto* count = static_cast<MemoryCount*>(self);
+        const std::int64_t now = count->now_ += bytes;
+        std::int64_t peak = count->peak_;
+        while (now > peak && !count->peak_.compare_exchange_weak(peak, now)) {
+        }
+        return true;
+    }
+
+    std::atomic<std::int64_t> now_ = 0;
+    std::atomic<std::int64_t> peak_ = 0;
+};
+
+std::vector<std::uint32_t> list_active(const Mesh& mesh) {
+    std::vector<std::uint32_t> active;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        if (!is_inactive(mesh, i)) active.push_back(static_cast<std::uint32_t>(i));
+    }
+    return active;
+}
+
+static_assert(sizeof(RTCBuildPrimitive) == sizeof(LaneBox) && sizeof(RTCBounds) == sizeof(LaneBox),
+              "of each, the corners begin at bytes 0 and 16");
+
+void split_primitive(const RTCBuildPrimitive* primitive, unsigned axis, float position, RTCBounds* left,
+                     RTCBounds* right, void* mesh_pointer) {
+    const auto& mesh = *static_cast<const Mesh*>(mesh_pointer);
+    const Triangle& t = mesh.triangles[primitive->primID];
+    LaneBox box;
+    std::memcpy(&box, primitive, sizeof(box));
+    const SplitBounds split =
+        split_triangle(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]], box, axis, position);
+    std::memcpy(left, &split.left, sizeof(split.left));
+    std::memcpy(right, &split.right, sizeof(split.right));
+}
+
+class EmbreePeer final : public TreeContestant {
+public:
+    EmbreePeer(const Variant& variant, const BuildOptions& options, const Mesh& mesh)
+        : variant_(variant),
+          options_(options),
+          mesh_(mesh),
+          inactive_count_(check_mesh(mesh)),
+          active_(inactive_count_ == 0 ? std::vector<std::uint32_t>{} : list_active(mesh)),
+          count_(mesh.triangles.size() - inactive_count_),
+          arena_(options.thread_count == 0 ? tbb::task_arena::automatic : static_cast<int>(options.thread_count)),
+          primitives_(allocate_primitives(capacity())),
+          device_(rtcNewDevice("hugepages=1")) {
+        require(device_ != nullptr);
+        memory_.watch(device_.get());
+        bvh_.reset(rtcNewBVH(device_.get()));
+        require(bvh_ != nullptr);
+    }
+
+    [[nodiscard]] std::string_view name() const override { return variant_.id; }
+
+    [[nodiscard]] BuildResult result() const override {
+        BuildResult result = summarize_runs(runs());
+        result.builder = variant_.id;
+        result.kind = BuilderKind::host;
+        result.is_peer = true;
+        result.threads = host_threads(options_);
+        return result;
+    }
+
+    [[nodiscard]] Bvh tree() const override {
+        Bvh bvh;
+        if (count_ > 0) bvh = read_tree(root_, root_bounds());
+        bvh.primitive_count = mesh_.triangles.size();
+        bvh.split_references = splits();
+        return bvh;
+    }
+
+protected:
+    BuildStats build() override {
+        BuildStats stats;
+        const Stopwatch whole;
+        arena_.execute([&] { fill_primitives(); });
+        const double bounds_ms = whole.milliseconds();
+        if (count_ > 0) arena_.execute([&] { root_ = build_tree(); });
+        stats.build_ms = whole.milliseconds();
+        stats.stages = {{"bounds", 0.0, bounds_ms, 0}, {"build", 0.0, stats.build_ms - bounds_ms, 0}};
+        stats.peak_host_bytes = capacity() * sizeof(RTCBuildPrimitive) + memory_.peak();
+        stats.inactive_primitives = inactive_count_;
+        return stats;
+    }
+
+private:
+    [[nodiscard]] bool splits() const { return variant_.quality == RTC_BUILD_QUALITY_HIGH; }
+
+    [[nodiscard]] std::size_t capacity() const {
+        const double factor = splits() ? double{options_.reference_budget} : 1.0;
+        return static_cast<std::size_t>(factor * static_cast<double>(count_));
+    }
+
+    void require(bool success) const {
+        if (success) return;
+        const RTCError code = rtcGetDeviceError(device_.get());
+        if (code == RTC_ERROR_CANCELLED) throw_if_interrupted();
+        throw Error(code == RTC_ERROR_OUT_OF_MEMORY ? ErrorCode::out_of_memory : ErrorCode::unsupported,
+                    std::string(variant_.id) + " failed with Embree's error " + std::to_string(code));
+    }
+
+    void fill_primitives() const {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count_, 8192), [&](const auto& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                const std::uint32_t id = inactive_count_ == 0 ? static_cast<std::uint32_t>(i) : active_[i];
+                const Aabb b = triangle_bounds(mesh_, id);
+                primitives_.get()[i] = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, id};
+            }
+        });
+    }
+
+    [[nodiscard]] EmbreeChild build_tree() const {
+        RTCBuildArguments arguments = rtcDefaultBuildArguments();
+        arguments.buildQuality = variant_.quality;
+        arguments.buildFlags = RTC_BUILD_FLAG_DYNAMIC;  // keeps its memory for the next build
+        arguments.maxBranchingFactor = 2;
+        arguments.maxDepth = kMaxDepth;
+        arguments.maxLeafSize = options_.max_leaf_size > 0 ? options_.max_leaf_size : kDefaultMaxLeafSize;
+        if (variant_.quality == RTC_BUILD_QUALITY_LOW && options_.max_leaf_size > 0)
+            arguments.minLeafSize = options_.max_leaf_size;
+        arguments.traversalCost = options_.inner_cost;
+        arguments.intersectionCost = options_.primitive_cost;
+        arguments.bvh = bvh_.get();
+        arguments.primitives = primitives_.get();
+        arguments.primitiveCount = count_;
+        arguments.primitiveArrayCapacity = capacity();
+        arguments.buildProgress = [](void*, double) { return !interrupted(); };
+        if (splits()) arguments.splitPrimitive = split_primitive;
+        arguments.userPtr = const_cast<Mesh*>(&mesh_);  // which no callback writes to
+        set_tree_callbacks(arguments);
+        void* root = rtcBuildBVH(&arguments);
+        require(root != nullptr);
+        return root;
+    }
+
+    [[nodiscard]] Aabb root_bounds() const {
+        Aabb box;
+        for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+            if (!is_inactive(mesh_, i)) box = merge(box, triangle_bounds(mesh_, i));
+        }
+        return box;
+    }
+
+    const Variant& variant_;
+    BuildOptions options_;
+    const Mesh& mesh_;
+    std::uint64_t inactive_count_;
+    std::vector<std::uint32_t> active_;  // empty where all are
+    std::size_t count_;
+    tbb::task_arena arena_;
+    PrimitiveMemory primitives_;
+    MemoryCount memory_;
+    Device device_;
+    EmbreeBvh bvh_;
+    EmbreeChild root_ = nullptr;
+};
+
+}  // namespace
+
+void check_embree_peers(const BuildOptions& options) {
+    if (options.max_leaf_size <= RTC_BUILD_MAX_PRIMITIVES_PER_LEAF) return;
+    throw Error(ErrorCode::unsupported, "Embree's leaves hold at most " +
+                                            std::to_string(RTC_BUILD_MAX_PRIMITIVES_PER_LEAF) +
+                                            " primitives; lower --max-leaf, or leave --peers out");
+}
+
+std::vector<std::unique_ptr<TreeContestant>> make_embree_peers(const BuildOptions& options, const Mesh& mesh) {
+    check_embree_peers(options);
+    std::vector<std::unique_ptr<TreeContestant>> peers;
+    peers.reserve(kVariants.size());
+    for (const Variant& variant : kVariants)
+        peers.push_back(std::make_unique<EmbreePeer>(variant, options, mesh));
+    return peers;
+}
+
+}  // namespace clbvh::tool
