@@ -8,7 +8,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
 
 #include <vector>
@@ -87,6 +86,7 @@ public:
                    small_reductions_,
                    nullptr,
                    nullptr,
+                   build.scratch.take<std::uint32_t>(count_).data(),
                    build.references.data(),
                    nodes_.data(),
                    extents_.data()} {}
@@ -102,7 +102,7 @@ public:
         build_.stages.begin("cluster", 0.25, 0.95, count_);
         nodes_[0] = build_tree(0, count_, 1).clusters[0].node;
         build_.stages.begin("layout", 0.95, 1.0);
-        emit_tree({nodes_, extents_, sorted.values}, build_.result);
+        emit_tree({nodes_, extents_, sorted.values, {problem_.next_ids, count_}}, build_.result);
     }
 
 private:
@@ -113,20 +113,7 @@ private:
     void compute_codes(const KeyedValues<Code>& codes) const {
         const tbb::blocked_range<std::size_t> all(0, count_, kChunk);
         const std::span<const Reference> references = build_.references;
-        const Box4 centroids = tbb::parallel_reduce(
-            all, Box4{},
-            [&](const auto& range, Box4 box) {
-                for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                    prefetch(references.data() + i + kPrefetch);
-                    box.merge(Box4::of(references[i]).doubled_centroid());
-                }
-                return box;
-            },
-            [](Box4 a, const Box4& b) {
-                a.merge(b);
-                return a;
-            });
-        const MortonGrid grid(centroids, bits_);
+        const MortonGrid grid(build_.bounds.centroids, bits_);
         tbb::parallel_for(all, [&](const auto& range) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 prefetch(references.data() + i + kPrefetch);

@@ -4,8 +4,11 @@
 // Clusters are named by their place on the stack. Ties between equal distances go to the next cluster in cyclic order,
 // so that equal boxes are merged in pairs, and pairs of pairs, not into a chain.
 
-/// Ranges of this size ask for all that they read and write at once.
+/// Ranges of this size ask for all that they read at once.
 constexpr std::uint32_t kFetch = 64;
+
+/// Sibling pairs are asked for so many before they are written.
+constexpr std::uint32_t kPairsAhead = 16;
 
 /// The box of one cluster, in every lane.
 struct Box {
@@ -32,7 +35,9 @@ struct Box {
 template <typename Code, bool kKeepDistances>
 class Clustering {
 public:
-    Clustering(const Problem<Code>& problem, Stack& stack) noexcept : problem_(problem), stack_(stack) {}
+    /// Sibling pairs are taken from `next_pair` down; 0: from the clusters.
+    Clustering(const Problem<Code>& problem, Stack& stack, std::uint32_t next_pair) noexcept
+        : problem_(problem), stack_(stack), next_pair_(next_pair) {}
 
     /// Puts the clusters of positions begin .. end onto the stack, from `base` on. Returns their end.
     std::uint32_t build_tree(std::uint32_t begin, std::uint32_t end, std::uint32_t base, bool fetched) noexcept {
@@ -93,7 +98,6 @@ private:
     void fetch(std::uint32_t begin, std::uint32_t end) const noexcept {
         for (std::uint32_t position = begin; position < end; ++position) {
             prefetch(problem_.references + problem_.ids[position]);
-            prefetch(problem_.nodes + 2 * std::size_t{position});
         }
     }
 
@@ -152,6 +156,9 @@ private:
         cluster.primitives = 1;
         cluster.area = box.half_area();
         cluster.cost = problem_.options.primitive_cost;
+        cluster.pair = 0;
+        cluster.first_id = position;
+        cluster.last_id = position;
     }
 
     [[nodiscard]] static Box4 box_of(const Node& node) noexcept {
@@ -251,32 +258,44 @@ private:
         return high;
     }
 
-    /// Writes the two as a sibling pair, the one that begins first on the left, and makes their parent of `low`.
-    /// Returns the box of both.
+    /// Makes the parent of both of `low`, and returns its box. The one that begins first is its left child. Where a
+    /// leaf is cheaper, there is no sibling pair to write: the primitives of small clusters are chained, whether they
+    /// are leaves yet or not.
     Box4 merge_clusters(std::uint32_t low, std::uint32_t high, float area) noexcept {
         Cluster& merged = stack_.clusters[low];
         const bool in_order = merged.position < stack_.clusters[high].position;
         const Cluster& left = stack_.clusters[in_order ? low : high];
         const Cluster& right = stack_.clusters[in_order ? high : low];
-        const std::uint32_t ended = right.position;
-        Node* const pair = problem_.nodes + 2 * std::size_t{ended};
-        pair[0] = left.node;
-        pair[1] = right.node;
         Box4 box = box_of(left.node);
         box.merge(box_of(right.node));
-        Extent extent{left.pairs + right.pairs + 1, left.primitives + right.primitives};
-        if (extent.primitives <= problem_.options.max_leaf_size) {
-            const float as_leaf = problem_.options.primitive_cost * static_cast<float>(extent.primitives);
+        const std::uint32_t pair = next_pair_ != 0 ? next_pair_ : std::max(left.pair, right.pair);
+        const std::uint32_t primitives = left.primitives + right.primitives;
+        const std::uint32_t first_id = left.first_id;
+        Node parent = make_node(box, 2 * pair, 0);
+        if (primitives <= problem_.options.max_leaf_size) {
+            problem_.next_ids[left.last_id] = right.first_id;
+            merged.last_id = right.last_id;
+            const float as_leaf = problem_.options.primitive_cost * static_cast<float>(primitives);
             const float as_inner = cost_of_inner(problem_.options.inner_cost, left, right, area);
-            if (as_leaf <= as_inner) extent.pairs = 0;
+            if (as_leaf <= as_inner) parent = make_node(box, first_id, primitives);
             merged.cost = std::min(as_leaf, as_inner);
         }
-        problem_.extents[ended] = extent;
+        std::uint32_t pairs = 0;
+        if (!parent.is_leaf()) {
+            prefetch(problem_.nodes + 2 * std::size_t{pair - std::min(pair, kPairsAhead)});
+            problem_.nodes[2 * std::size_t{pair}] = left.node;
+            problem_.nodes[2 * std::size_t{pair} + 1] = right.node;
+            pairs = left.pairs + right.pairs + 1;
+            problem_.extents[pair] = {pairs, primitives};
+            if (next_pair_ != 0) --next_pair_;
+        }
+        merged.pair = std::min(left.pair, right.pair);
         merged.position = left.position;
-        merged.pairs = extent.pairs;
-        merged.primitives = extent.primitives;
+        merged.pairs = pairs;
+        merged.primitives = primitives;
         merged.area = area;
-        merged.node = make_node(box, 2 * ended, 0);
+        merged.first_id = first_id;
+        merged.node = parent;
         return box;
     }
 
@@ -334,20 +353,23 @@ private:
 
     const Problem<Code>& problem_;
     Stack& stack_;
+    std::uint32_t next_pair_;
 };
 
 template <typename Code, bool kKeepDistances>
 std::uint32_t build_tree(const Problem<Code>& problem, Stack& stack, std::uint32_t begin, std::uint32_t end,
                          std::uint32_t most) noexcept {
-    Clustering<Code, kKeepDistances> clustering(problem, stack);
-    const std::uint32_t top = clustering.build_tree(begin, end, 0, false);
-    return clustering.combine(0, top, most);
+    Clustering<Code, kKeepDistances> clustering(problem, stack, end - 1);
+    const std::uint32_t top = clustering.combine(0, clustering.build_tree(begin, end, 0, false), most);
+    for (std::uint32_t i = 0; i < top; ++i)
+        stack.clusters[i].pair = begin + i;
+    return top;
 }
 
 template <typename Code, bool kKeepDistances>
 std::uint32_t unite(const Problem<Code>& problem, Stack& stack, std::uint32_t middle, std::uint32_t top,
                     std::uint32_t target) noexcept {
-    Clustering<Code, kKeepDistances> clustering(problem, stack);
+    Clustering<Code, kKeepDistances> clustering(problem, stack, 0);
     clustering.measure_all(0, middle);
     clustering.measure_all(middle, top);
     return clustering.unite(0, middle, top, target);

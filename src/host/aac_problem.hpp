@@ -72,7 +72,9 @@ struct alignas(64) Cluster {
     std::uint32_t primitives;  ///< See Extent.
     float area;                ///< Half area of its box.
     float cost;                ///< C(T) of section 3.3.2, as long as it may become a leaf.
-    std::uint32_t unused[3];
+    std::uint32_t first_id;    ///< Where the chain of its primitives begins, as long as it may become a leaf.
+    std::uint32_t last_id;     ///< Where that ends.
+    std::uint32_t pair;        ///< A sibling pair that is free, one for each cluster that a task has left.
 };
 static_assert(sizeof(Cluster) == 64);
 
@@ -99,10 +101,12 @@ struct Problem {
     Options options;
     const ReductionTable& reduction;  ///< Up to the size of the largest task.
     const Code* codes;                ///< In ascending order.
-    std::uint32_t* ids;  ///< For each position, the reference that stands there; once that is a cluster, its id.
+    std::uint32_t* ids;       ///< For each position, the reference that stands there; once that is a cluster, its id.
+    std::uint32_t* next_ids;  ///< For each position, the next one of the same leaf.
     const Reference* references;  ///< In the order that they came in.
-    Node* nodes;                  ///< The pair whose merge ended position s: 2s, 2s + 1.
-    Extent* extents;              ///< See TreeSlots.
+    Node* nodes;      ///< Pair p is nodes 2p and 2p + 1; a task over positions b .. e takes those from e - 1
+                      ///< down, and the clusters that it leaves get those from b up.
+    Extent* extents;  ///< See TreeSlots.
 };
 
 /// MakePartition of section 3.1: where the highest bit that is not the same in all codes of begin .. end, two at least,

@@ -16,7 +16,7 @@ template <typename Box>
 struct SideBounds {
     Box box, centroids;
 
-    CLBVH_ALWAYS_INLINE explicit SideBounds(const Side& side) noexcept
+    CLBVH_ALWAYS_INLINE explicit SideBounds(const Bounds& side) noexcept
         : box(load(side.box)), centroids(load(side.centroids)) {}
 
     static CLBVH_ALWAYS_INLINE Box load(const Box4& source) noexcept {
@@ -31,7 +31,7 @@ struct SideBounds {
         // Subtracted from 0, not negated: what was +0 must not become -0.
         return {Float4::load(lanes), Float4::filled(0.0f) - Float4::load(lanes + 4)};
     }
-    [[nodiscard]] CLBVH_ALWAYS_INLINE Side side() const noexcept { return {stored(box), stored(centroids)}; }
+    [[nodiscard]] CLBVH_ALWAYS_INLINE Bounds side() const noexcept { return {stored(box), stored(centroids)}; }
 
     /// An infinite penalty leaves the reference out.
     CLBVH_ALWAYS_INLINE void add(const Box& reference_box, const Box& centroid, float penalty) noexcept {

@@ -8,22 +8,8 @@
 
 namespace clbvh::host {
 
-/// What lies on one side of a split.
-struct Side {
-    Box4 box;
-    Box4 centroids;  ///< Bounds of the doubled centroids.
-
-    void add(const Reference& reference) noexcept {
-        const Box4 reference_box = Box4::of(reference);
-        box.merge(reference_box);
-        centroids.merge(reference_box.doubled_centroid());
-    }
-    void add(const Side& side) noexcept {
-        box.merge(side.box);
-        centroids.merge(side.centroids);
-    }
-};
-using Sides = std::array<Side, 2>;
+/// What lies to the left and to the right of a split.
+using Sides = std::array<Bounds, 2>;
 
 /// Copies the lefts of `range` to `left` ascending and its rights to below `right` descending, without a branch on the
 /// side, and adds them to `sides`. Returns the number of lefts.

@@ -4,10 +4,8 @@
 // part descending, without a branch on the side. Ranges of many references are binned and split by many threads.
 #include "host/binned_sah.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <array>
@@ -63,27 +61,12 @@ public:
         const auto count = static_cast<std::uint32_t>(build_.references.size());
         build_.stages.begin("build", 0.05, 0.95, count);
         const Arrays arrays{build_.references.data(), build_.scratch.take<Reference>(count).data()};
-        const Side whole = bound(build_.references);
-        build_subtree({0, 0, count, 0, whole.box, whole.centroids}, arrays);
+        build_subtree({0, 0, count, 0, build_.bounds.box, build_.bounds.centroids}, arrays);
         build_.stages.begin("layout", 0.95, 1.0);
         emit_tree(tree_.slots(), build_.result);
     }
 
 private:
-    static Side bound(std::span<const Reference> references) {
-        return tbb::parallel_reduce(
-            tbb::blocked_range<std::size_t>(0, references.size(), kChunk), Side{},
-            [&](const auto& range, Side side) {
-                for (std::size_t i = range.begin(); i < range.end(); ++i)
-                    side.add(references[i]);
-                return side;
-            },
-            [](Side a, const Side& b) {
-                a.add(b);
-                return a;
-            });
-    }
-
     Extent build_subtree(const Job& job, const Arrays& arrays) {
         if (job.size() < kParallelSubtree) {
             std::uint32_t next_pair = job.begin + 1;

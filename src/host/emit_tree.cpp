@@ -45,12 +45,17 @@ private:
             std::copy_n(waiting.end() - static_cast<std::ptrdiff_t>(count), count, batch.begin());
             waiting.resize(waiting.size() - count);
             for (std::size_t i = 0; i < count; ++i) {
-                prefetch(&slots_.extents[child_pair(slots_.nodes[batch[i].root->first])]);
-                prefetch(&slots_.extents[child_pair(slots_.nodes[std::size_t{batch[i].root->first} + 1])]);
+                prefetch_pair(child_pair(slots_.nodes[batch[i].root->first]));
+                prefetch_pair(child_pair(slots_.nodes[std::size_t{batch[i].root->first} + 1]));
             }
             for (std::size_t i = 0; i < count; ++i)
                 emit_children(batch[i], waiting);
         }
+    }
+
+    void prefetch_pair(std::uint32_t pair) const noexcept {
+        prefetch(&slots_.extents[pair]);
+        prefetch(&slots_.nodes[2 * std::size_t{pair}]);
     }
 
     [[nodiscard]] static std::uint32_t child_pair(const Node& node) noexcept {
@@ -75,10 +80,7 @@ private:
         }
     }
 
-    void wait(const Job& job, std::vector<Job>& waiting) const {
-        prefetch(&slots_.nodes[job.root->first]);
-        waiting.push_back(job);
-    }
+    static void wait(const Job& job, std::vector<Job>& waiting) { waiting.push_back(job); }
 
     void start(const Job& job, const Extent& extent, std::vector<Job>& waiting) {
         if (extent.pairs < kParallelPairs) return wait(job, waiting);
@@ -93,7 +95,7 @@ private:
         node.first = job.id;
         node.count = extent.primitives;
         std::uint32_t* const ids = result_.primitive_ids.data() + job.id;
-        if (job.root->is_leaf()) {
+        if (job.root->is_leaf() && slots_.next_ids.empty()) {
             std::copy_n(slots_.primitive_ids.data() + job.root->first, node.count, ids);
         } else {
             gather(*job.root, ids, ids);
@@ -107,16 +109,23 @@ private:
             end = gather(slots_.nodes[root.first], begin, end);
             return gather(slots_.nodes[std::size_t{root.first} + 1], begin, end);
         }
-        for (const std::uint32_t id : slots_.primitive_ids.subspan(root.first, root.count)) {
-            std::uint32_t* place = end;
-            while (place != begin && place[-1] > id)
-                --place;
-            if (place != begin && place[-1] == id) continue;
-            std::copy_backward(place, end, end + 1);
-            *place = id;
-            ++end;
+        std::uint32_t place = root.first;
+        for (std::uint32_t i = 0; i < root.count; ++i) {
+            end = insert(slots_.primitive_ids[place], begin, end);
+            place = slots_.next_ids.empty() ? place + 1 : slots_.next_ids[place];
         }
         return end;
+    }
+
+    /// Adds `id` to the ascending ones in begin .. end, unless it is there.
+    static std::uint32_t* insert(std::uint32_t id, std::uint32_t* begin, std::uint32_t* end) noexcept {
+        std::uint32_t* place = end;
+        while (place != begin && place[-1] > id)
+            --place;
+        if (place != begin && place[-1] == id) return end;
+        std::copy_backward(place, end, end + 1);
+        *place = id;
+        return end + 1;
     }
 
     const TreeSlots& slots_;

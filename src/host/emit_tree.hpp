@@ -21,6 +21,8 @@ struct TreeSlots {
     std::span<const Node> nodes;                   ///< The root is 0; pairs begin at even indices from 2.
     std::span<const Extent> extents;               ///< extents[p]: below the parent of the pair in nodes 2p and 2p + 1.
     std::span<const std::uint32_t> primitive_ids;  ///< What the leaves' ranges refer to.
+    /// Where given, a leaf's ids are no range but a chain of places: behind `first` comes next_ids[first], and so on.
+    std::span<const std::uint32_t> next_ids = {};
 };
 
 /// What lies below `node`, an inner node or a leaf.
@@ -30,8 +32,8 @@ struct TreeSlots {
 
 /// Writes the tree without holes, depth first, flattening the inner nodes that ask for it; in parallel, and the same on
 /// any number of threads. Siblings stay together, a left subtree comes before the right one, and so do primitive ids;
-/// in a flattened leaf they ascend, each of them once: its extent counts so. Takes O(n) time and O(log n) stack, at any
-/// depth of the tree.
+/// in a flattened or chained leaf they ascend, each of them once: its extent counts so. Takes O(n) time and O(log n)
+/// stack, at any depth of the tree.
 void emit_tree(const TreeSlots& slots, Bvh& result);
 
 }  // namespace clbvh::host

@@ -7,14 +7,14 @@ namespace clbvh::host {
 namespace {
 
 /// The build from references to the result; empty where there are none.
-BuildStats run_algorithm(std::span<Reference> references, const Mesh* mesh, const BoundAlgorithm& algorithm,
-                         Scratch& scratch, HostStages& stages, Bvh& result) {
+BuildStats run_algorithm(std::span<Reference> references, const Bounds& bounds, const Mesh* mesh,
+                         const BoundAlgorithm& algorithm, Scratch& scratch, HostStages& stages, Bvh& result) {
     result.split_references = false;
     if (references.empty()) {
         result.nodes.clear();
         result.primitive_ids.clear();
     } else {
-        HostBuild build{references, mesh, scratch, stages, result};
+        HostBuild build{references, bounds, mesh, scratch, stages, result};
         algorithm(build);
     }
     BuildStats stats = stages.finish();
@@ -31,9 +31,9 @@ BuildStats run_host_build(const HostInput& input, const BoundAlgorithm& algorith
     scratch.reset();
     stages.begin("bounds", 0.0, 0.05);
     const std::span<Reference> references = scratch.take<Reference>(input.active_count);
-    bound_primitives(input.boxes, references, scratch);
+    const Bounds bounds = bound_primitives(input.boxes, references, scratch);
     result.primitive_count = input.boxes.triangles.size();
-    BuildStats stats = run_algorithm(references, &input.triangles, algorithm, scratch, stages, result);
+    BuildStats stats = run_algorithm(references, bounds, &input.triangles, algorithm, scratch, stages, result);
     stats.inactive_primitives = input.boxes.triangles.size() - input.active_count;
     return stats;
 }
@@ -55,8 +55,8 @@ Bvh build_over_boxes(std::span<const Aabb> bounds, const BoundAlgorithm& algorit
     const ProgressCallback no_progress;
     HostStages stages(no_progress);
     const std::span<Reference> references = scratch.take<Reference>(bounds.size());
-    copy_boxes(bounds, references);
-    run_algorithm(references, nullptr, algorithm, scratch, stages, result);
+    const Bounds scene = copy_boxes(bounds, references);
+    run_algorithm(references, scene, nullptr, algorithm, scratch, stages, result);
     return result;
 }
 

@@ -16,6 +16,7 @@ namespace clbvh::host {
 /// One build on the host: what goes in, where it may work, what comes out.
 struct HostBuild {
     std::span<Reference> references;  ///< The active primitives, at least one; the builder may move and overwrite them.
+    const Bounds& bounds;             ///< Of all references.
     const Mesh* mesh;                 ///< The triangles; null where only their boxes are known.
     Scratch& scratch;                 ///< Every array of the size of the input comes from here.
     HostStages& stages;               ///< The builder begins its own stages, from fraction 0.05 to 1.

@@ -1,7 +1,7 @@
 #include "host/primitive_bounds.hpp"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -14,11 +14,21 @@ namespace {
 
 constexpr std::size_t kChunk = 8192;
 
-/// Calls `work(chunk, begin, end)` for each kChunk primitives of `count`, in parallel.
+/// Calls `work(chunk, begin, end, bounds)` for each kChunk primitives of `count`, in parallel, and returns the union of
+/// the bounds that it was given to add to.
 template <typename Work>
-void for_each_chunk(std::size_t count, const Work& work) {
-    tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk,
-                      [&](std::size_t chunk) { work(chunk, chunk * kChunk, std::min(count, (chunk + 1) * kChunk)); });
+Bounds for_each_chunk(std::size_t count, const Work& work) {
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, (count + kChunk - 1) / kChunk), Bounds{},
+        [&](const auto& chunks, Bounds bounds) {
+            for (std::size_t chunk = chunks.begin(); chunk < chunks.end(); ++chunk)
+                work(chunk, chunk * kChunk, std::min(count, (chunk + 1) * kChunk), bounds);
+            return bounds;
+        },
+        [](Bounds a, const Bounds& b) {
+            a.add(b);
+            return a;
+        });
 }
 
 Reference make_reference(const Aabb& box, std::uint32_t primitive) {
@@ -29,10 +39,15 @@ Reference make_reference(const Aabb& box, std::uint32_t primitive) {
             0};
 }
 
+void write(Reference& target, const Aabb& box, std::size_t primitive, Bounds& bounds) {
+    target = make_reference(box, static_cast<std::uint32_t>(primitive));
+    bounds.add(target);
+}
+
 /// References of the active triangles among begin .. end, written from `target` on.
-void bound_active(const Mesh& mesh, std::size_t begin, std::size_t end, Reference* target) {
+void bound_active(const Mesh& mesh, std::size_t begin, std::size_t end, Reference* target, Bounds& bounds) {
     for (std::size_t i = begin; i < end; ++i) {
-        if (!is_inactive(mesh, i)) *target++ = make_reference(triangle_bounds(mesh, i), static_cast<std::uint32_t>(i));
+        if (!is_inactive(mesh, i)) write(*target++, triangle_bounds(mesh, i), i, bounds);
     }
 }
 
@@ -47,17 +62,16 @@ bool is_legal(const Aabb& box) {
 
 }  // namespace
 
-void bound_primitives(const Mesh& mesh, std::span<Reference> references, Scratch& scratch) {
+Bounds bound_primitives(const Mesh& mesh, std::span<Reference> references, Scratch& scratch) {
     const std::size_t count = mesh.triangles.size();
     if (references.size() == count) {
-        for_each_chunk(count, [&](std::size_t, std::size_t begin, std::size_t end) {
+        return for_each_chunk(count, [&](std::size_t, std::size_t begin, std::size_t end, Bounds& bounds) {
             for (std::size_t i = begin; i < end; ++i)
-                references[i] = make_reference(triangle_bounds(mesh, i), static_cast<std::uint32_t>(i));
+                write(references[i], triangle_bounds(mesh, i), i, bounds);
         });
-        return;
     }
     const std::span<std::size_t> first_of_chunk = scratch.take<std::size_t>((count + kChunk - 1) / kChunk);
-    for_each_chunk(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    for_each_chunk(count, [&](std::size_t chunk, std::size_t begin, std::size_t end, Bounds&) {
         std::size_t active = 0;
         for (std::size_t i = begin; i < end; ++i)
             active += is_inactive(mesh, i) ? 0 : 1;
@@ -69,15 +83,15 @@ void bound_primitives(const Mesh& mesh, std::span<Reference> references, Scratch
         first = before;
         before += active;
     }
-    for_each_chunk(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        bound_active(mesh, begin, end, references.data() + first_of_chunk[chunk]);
+    return for_each_chunk(count, [&](std::size_t chunk, std::size_t begin, std::size_t end, Bounds& bounds) {
+        bound_active(mesh, begin, end, references.data() + first_of_chunk[chunk], bounds);
     });
 }
 
-void copy_boxes(std::span<const Aabb> bounds, std::span<Reference> references) {
-    for_each_chunk(bounds.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+Bounds copy_boxes(std::span<const Aabb> boxes, std::span<Reference> references) {
+    return for_each_chunk(boxes.size(), [&](std::size_t, std::size_t begin, std::size_t end, Bounds& bounds) {
         for (std::size_t i = begin; i < end; ++i)
-            references[i] = make_reference(bounds[i], static_cast<std::uint32_t>(i));
+            write(references[i], boxes[i], i, bounds);
     });
 }
 

@@ -9,10 +9,11 @@
 namespace clbvh::host {
 
 /// Writes a reference for each active triangle, in the order of their ids. `references` has exactly as many elements.
-void bound_primitives(const Mesh& mesh, std::span<Reference> references, Scratch& scratch);
+/// Returns the bounds of all.
+Bounds bound_primitives(const Mesh& mesh, std::span<Reference> references, Scratch& scratch);
 
-/// Writes a reference for each box; the spans are of one size.
-void copy_boxes(std::span<const Aabb> bounds, std::span<Reference> references);
+/// Writes a reference for each box; the spans are of one size. Returns the bounds of all.
+Bounds copy_boxes(std::span<const Aabb> bounds, std::span<Reference> references);
 
 /// Throws Error(invalid_input) naming the first box that has a NaN, is inverted or lies beyond kMaxCoordinate.
 void check_boxes(std::span<const Aabb> bounds);

@@ -44,6 +44,22 @@ struct Box4 {
     [[nodiscard]] float half_area() const noexcept { return half_area_of_extents(upper - lower); }
 };
 
+/// What a set of references takes up.
+struct Bounds {
+    Box4 box;
+    Box4 centroids;  ///< Bounds of the doubled centroids.
+
+    void add(const Reference& reference) noexcept {
+        const Box4 reference_box = Box4::of(reference);
+        box.merge(reference_box);
+        centroids.merge(reference_box.doubled_centroid());
+    }
+    void add(const Bounds& bounds) noexcept {
+        box.merge(bounds.box);
+        centroids.merge(bounds.centroids);
+    }
+};
+
 /// A node with this box.
 [[nodiscard]] inline Node make_node(const Box4& box, std::uint32_t first, std::uint32_t count) noexcept {
     Node node;

@@ -27,7 +27,7 @@ struct Job {
     std::uint32_t slot;  ///< Node of its root.
     SpacedRange range;
     std::uint32_t depth;  ///< Edges above its root.
-    Side bounds;
+    Bounds bounds;
 };
 
 /// Where a range lies, where its halves go, and where theirs go.
@@ -61,10 +61,8 @@ public:
         Reference* const first = build_.scratch.take<Reference>(capacity_).data();
         Reference* const second = build_.scratch.take<Reference>(capacity_).data();
         const SpacedRange range{0, capacity_, 0, count};
-        Half whole;
-        add_chunks(range, build_.references.data(), whole, [](Half& half, const auto& chunk) { half.add(chunk); });
-        least_overlap_ = config_.alpha * whole.bounds.box.half_area();
-        build_subtree({0, range, 0, whole.bounds}, {build_.references.data(), first, second});
+        least_overlap_ = config_.alpha * build_.bounds.box.half_area();
+        build_subtree({0, range, 0, build_.bounds}, {build_.references.data(), first, second});
         build_.stages.begin("layout", 0.95, 1.0);
         emit_tree(tree_.slots(), build_.result);
         build_.result.split_references = capacity_ > count;

@@ -15,7 +15,7 @@ namespace clbvh::host {
 
 /// What lies on one side of a split.
 struct Half {
-    Side bounds;
+    Bounds bounds;
     double area = 0.0;  ///< Sum of the references' half areas.
 
     void add(const Reference& reference) noexcept {

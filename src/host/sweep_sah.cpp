@@ -10,7 +10,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <array>
@@ -20,6 +19,7 @@
 #include <vector>
 
 #include "core/check_field.hpp"
+#include "host/cost_unit.hpp"
 #include "host/radix_sort.hpp"
 #include "host/range_tree.hpp"
 #include "host/sweep_search.hpp"
@@ -36,10 +36,6 @@ constexpr std::uint32_t kLocalRange = 1u << 13;
 /// Ranges from this size on are partitioned in parallel, in chunks of kChunk.
 constexpr std::uint32_t kParallelRange = 1u << 16;
 constexpr std::uint32_t kChunk = 1u << 13;
-
-/// Beyond this half area of the scene, sums over many references would overflow without a smaller weight.
-constexpr float kLargeArea = 0x1p90f;
-constexpr float kSmallUnit = 0x1p-30f;
 
 /// Unsigned integers in the order of the floats, none of which is -0.
 std::uint32_t ordered_bits(float value) noexcept {
@@ -95,7 +91,8 @@ public:
           config_(config),
           tree_(build.scratch, build.references.size()),
           local_references_(build.scratch.take<Reference>(build.references.size())),
-          local_sides_(build.scratch.take<std::uint8_t>(build.references.size())) {}
+          local_sides_(build.scratch.take<std::uint8_t>(build.references.size())),
+          unit_(cost_unit(build.bounds.box.half_area())) {}
 
     void run() {
         const auto count = static_cast<std::uint32_t>(build_.references.size());
@@ -107,7 +104,6 @@ public:
         }
         build_.stages.begin("sort", 0.05, 0.2);
         sort_references(arrays);
-        unit_ = find_unit();
         build_.stages.begin("build", 0.2, 0.95, count);
         build_subtree({0, 0, count, 0}, arrays);
         build_.stages.begin("layout", 0.95, 1.0);
@@ -137,22 +133,6 @@ private:
                 target.values[i] = static_cast<std::uint32_t>(i);
             }
         });
-    }
-
-    /// Less weight where costs would overflow.
-    [[nodiscard]] float find_unit() const {
-        const Box4 box = tbb::parallel_reduce(
-            tbb::blocked_range<std::size_t>(0, build_.references.size(), kChunk), Box4{},
-            [&](const auto& range, Box4 part) {
-                for (std::size_t i = range.begin(); i < range.end(); ++i)
-                    part.merge(Box4::of(build_.references[i]));
-                return part;
-            },
-            [](Box4 a, const Box4& b) {
-                a.merge(b);
-                return a;
-            });
-        return box.half_area() < kLargeArea ? 1.0f : kSmallUnit;
     }
 
     Extent build_subtree(const Job& job, Arrays arrays) {
@@ -282,7 +262,7 @@ private:
     RangeTree tree_;
     std::span<Reference> local_references_;
     std::span<std::uint8_t> local_sides_;
-    float unit_ = 1.0f;
+    float unit_;
 };
 
 void check(const SweepSahConfig& config) {

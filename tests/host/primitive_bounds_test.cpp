@@ -1,4 +1,5 @@
-// References: one for each active triangle in the order of ids, with its box and without negative zeros.
+// References: one for each active triangle in the order of ids, with its box and without negative zeros; and the bounds
+// of all.
 #include "host/primitive_bounds.hpp"
 
 #include <catch2/catch.hpp>
@@ -24,7 +25,17 @@ TEST_CASE("references of all and of some triangles") {
             }
             host::Scratch scratch;
             std::vector<Reference> references(active.size());
-            host::bound_primitives(mesh, references, scratch);
+            const host::Bounds bounds = host::bound_primitives(mesh, references, scratch);
+            const auto same = [](const host::Box4& box, const Aabb& expected) {
+                return host::make_node(box, 0, 0).bounds() == expected;
+            };
+            Aabb box, centroids;
+            for (const std::uint32_t i : active) {
+                box = merge(box, triangle_bounds(mesh, i));
+                centroids = merge(centroids, doubled_centroid(triangle_bounds(mesh, i)));
+            }
+            CHECK(same(bounds.box, box));
+            CHECK(same(bounds.centroids, centroids));
             for (std::size_t i = 0; i < active.size(); ++i) {
                 REQUIRE(references[i].primitive == active[i]);
                 REQUIRE(references[i].bounds() == triangle_bounds(mesh, active[i]));
