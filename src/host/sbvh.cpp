@@ -104,7 +104,7 @@ private:
             return job.range.count <= config_.max_leaf_size ? Split{} : halve(job.range, arrays);
         }
         const Binning binning(job.bounds.centroids, config_.bin_count, false);
-        const ObjectRule object{binning, find_object_split(job.range, arrays.current, binning)};
+        const ObjectRule object{binning, find_object_split(job, arrays.current, binning)};
         const bool has_object_split = object.split.found();
         Split split;
         if (has_object_split) split = move(job.range, arrays, object);
@@ -124,14 +124,19 @@ private:
 
     [[nodiscard]] bool becomes_leaf(const Job& job, float split_cost) const {
         if (job.range.count > config_.max_leaf_size) return false;
-        const float area = job.bounds.box.half_area();
+        const float area = weighted_area(job);
         return config_.primitive_cost * static_cast<float>(job.range.count) * area <=
                config_.inner_cost * area + config_.primitive_cost * split_cost;
     }
 
     /// Of two halves, each as large as the whole; as SpatialSplit::cost.
     static float halving_cost(const Job& job) noexcept {
-        return job.bounds.box.half_area() * static_cast<float>(job.range.count);
+        return weighted_area(job) * static_cast<float>(job.range.count);
+    }
+
+    static float weighted_area(const Job& job) noexcept {
+        const float area = job.bounds.box.half_area();
+        return area * cost_unit(area);
     }
 
     /// Half area of what the boxes of both halves share.
@@ -140,12 +145,13 @@ private:
         return has_point(shared) ? shared.half_area() : 0.0f;
     }
 
-    [[nodiscard]] BinnedSplit find_object_split(const SpacedRange& range, const Reference* references,
+    [[nodiscard]] BinnedSplit find_object_split(const Job& job, const Reference* references,
                                                 const Binning& binning) const {
-        if (range.count <= kFewReferences) return find_split_of_few(range.chunk(references, 0), binning);
+        const float unit = cost_unit(job.bounds.box.half_area());
+        if (job.range.count <= kFewReferences) return find_split_of_few(job.range.chunk(references, 0), binning, unit);
         BinSet bins(config_.bin_count);
-        add_chunks(range, references, bins, [&](BinSet& sum, const auto& chunk) { sum.add(chunk, binning); });
-        return bins.find_split();
+        add_chunks(job.range, references, bins, [&](BinSet& sum, const auto& chunk) { sum.add(chunk, binning); });
+        return bins.find_split(unit);
     }
 
     [[nodiscard]] SpatialSplit find_spatial_split(const SpacedRange& range, const Reference* references,

@@ -6,7 +6,7 @@
 namespace clbvh::host {
 
 SpatialBinning::SpatialBinning(const Box4& box, std::uint32_t bin_count) noexcept
-    : base_(box.lower), bin_count_(bin_count) {
+    : base_(box.lower), bin_count_(bin_count), unit_(cost_unit(box.half_area())) {
     const Float4 extents = box.upper - box.lower;
     const std::array<float, 3> extent{extents.x(), extents.y(), extents.z()};
     lower_ = {box.lower.x(), box.lower.y(), box.lower.z()};
@@ -123,12 +123,13 @@ void SpatialBinSet::add(const SpatialBinSet& other) noexcept {
 SpatialSplit SpatialBinSet::find_split(const SpatialBinning& binning, std::uint32_t most_references) const noexcept {
     SpatialSplit best;
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
-        if (binning.divides(axis)) sweep_axis(axis, most_references, best);
+        if (binning.divides(axis)) sweep_axis(axis, most_references, binning.unit(), best);
     }
     return best;
 }
 
-void SpatialBinSet::sweep_axis(std::uint32_t axis, std::uint32_t most_references, SpatialSplit& best) const noexcept {
+void SpatialBinSet::sweep_axis(std::uint32_t axis, std::uint32_t most_references, float unit,
+                               SpatialSplit& best) const noexcept {
     const auto& boxes = boxes_[axis];
     std::array<BoxSlot, kMaxBinCount> right_boxes;
     std::array<std::uint32_t, kMaxBinCount> right_counts;
@@ -147,8 +148,8 @@ void SpatialBinSet::sweep_axis(std::uint32_t axis, std::uint32_t most_references
         count += entries_[axis][bin - 1];
         const std::uint32_t right_count = right_counts[bin];
         if (count == 0 || right_count == 0 || count + right_count > most_references) continue;
-        const float cost = box.half_area() * static_cast<float>(count) +
-                           right_boxes[bin].box().half_area() * static_cast<float>(right_count);
+        const float cost = box.half_area() * (static_cast<float>(count) * unit) +
+                           right_boxes[bin].box().half_area() * (static_cast<float>(right_count) * unit);
         if (cost < best.cost) best = {cost, axis, bin, count, right_count, box, right_boxes[bin].box()};
     }
 }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/check_field.hpp"
+#include "host/cost_unit.hpp"
 #include "host/sbvh_clip.hpp"
 
 namespace clbvh::host {
@@ -29,19 +30,22 @@ public:
     /// False along an axis that has one bin only.
     [[nodiscard]] bool divides(std::size_t axis) const noexcept { return step_[axis] > 0.0f; }
     [[nodiscard]] std::uint32_t bin_count() const noexcept { return bin_count_; }
+    /// Weight of a reference in the costs of splits, see cost_unit().
+    [[nodiscard]] float unit() const noexcept { return unit_; }
 
 private:
     Float4 base_;
     Float4 scale_;
     Float4 last_;
     std::uint32_t bin_count_;
+    float unit_;
     std::array<float, 3> lower_;
     std::array<float, 3> step_;
 };
 
 /// A plane between bins: what lies in bins below `bin` along `axis` goes left, the rest right, straddlers are cut.
 struct SpatialSplit {
-    float cost = std::numeric_limits<float>::infinity();  ///< Half area times references, left and right together.
+    float cost = std::numeric_limits<float>::infinity();  ///< Half area times weight, left and right together.
     std::uint32_t axis = 3;                               ///< 3: there is no such plane.
     std::uint32_t bin = 0;
     std::uint32_t left_count = 0;
@@ -88,7 +92,7 @@ private:
     void add_parts(const CutTriangle& triangle, const Box4& box, const Span& span,
                    const SpatialBinning& binning) noexcept;
     void add_box_parts(const Box4& box, const Span& span, const SpatialBinning& binning) noexcept;
-    void sweep_axis(std::uint32_t axis, std::uint32_t most_references, SpatialSplit& best) const noexcept;
+    void sweep_axis(std::uint32_t axis, std::uint32_t most_references, float unit, SpatialSplit& best) const noexcept;
 
     std::uint32_t bin_count_;
     std::array<std::array<BoxSlot, kMaxBinCount>, 3> boxes_;

@@ -39,11 +39,12 @@ SpatialRule::Parts SpatialRule::cut(const Reference& reference) const noexcept {
     // Section 4.4, reference unsplitting. "The bounding boxes of both children" are here those of the split that was
     // found, not as they have grown since, so that no reference's way depends on another's.
     const Box4 box = Box4::of(reference);
-    const auto left_count = static_cast<float>(split_.left_count);
-    const auto right_count = static_cast<float>(split_.right_count);
+    const float unit = binning_.unit();
+    const float left_count = static_cast<float>(split_.left_count) * unit;
+    const float right_count = static_cast<float>(split_.right_count) * unit;
     const float cut_cost = left_area_ * left_count + right_area_ * right_count;
-    const float left_cost = merged_area(split_.left_box, box) * left_count + right_area_ * (right_count - 1);
-    const float right_cost = left_area_ * (left_count - 1) + merged_area(split_.right_box, box) * right_count;
+    const float left_cost = merged_area(split_.left_box, box) * left_count + right_area_ * (right_count - unit);
+    const float right_cost = left_area_ * (left_count - unit) + merged_area(split_.right_box, box) * right_count;
     if (std::min(left_cost, right_cost) >= cut_cost) return {true, true, left, right};
     const bool goes_right = right_cost < left_cost;
     return {!goes_right, goes_right, reference, reference};
