@@ -8,6 +8,7 @@
 
 #include "backend.hpp"
 #include "clbvh/core/error.hpp"
+#include "core/memory_errors.hpp"
 #include "finish_stage.hpp"
 #include "presplit_stage.hpp"
 
@@ -65,6 +66,9 @@ struct Builder::State {
         }
     }
 
+    void upload(const Mesh& mesh);
+    BuildStats run();
+
     [[nodiscard]] bool is_presplit() const noexcept { return options.presplit_level > 0; }
     [[nodiscard]] bool is_finished_here() const noexcept { return is_presplit() || options.max_leaf_size > 0; }
 
@@ -92,37 +96,42 @@ Builder::Builder(Builder&&) noexcept = default;
 Builder& Builder::operator=(Builder&&) noexcept = default;
 Builder::~Builder() = default;
 
-void Builder::upload(const Mesh& mesh) {
-    State& state = *state_;
-    state.inactive_primitives = state.arena.execute([&] { return check_mesh(mesh); });
-    state.primitive_count = mesh.triangles.size();
-    state.finished = false;
-    state.uploaded = false;
-    if (state.is_presplit()) {
-        state.arena.execute([&] { state.presplit.run(mesh, share_of_builder(state.options).begin); });
-        state.backend->upload_parts(state.presplit.boxes(), state.presplit.triangles());
+void Builder::State::upload(const Mesh& mesh) {
+    inactive_primitives = arena.execute([&] { return check_mesh(mesh); });
+    primitive_count = mesh.triangles.size();
+    finished = false;
+    uploaded = false;
+    if (is_presplit()) {
+        arena.execute([&] { presplit.run(mesh, share_of_builder(options).begin); });
+        backend->upload_parts(presplit.boxes(), presplit.triangles());
     } else {
-        state.backend->upload(mesh, state.primitive_count - state.inactive_primitives);
+        backend->upload(mesh, primitive_count - inactive_primitives);
     }
-    state.uploaded = true;
+    uploaded = true;
+}
+
+BuildStats Builder::State::run() {
+    finished = false;
+    BuildStats stats = backend->run();
+    stats.inactive_primitives = inactive_primitives;
+    if (is_presplit()) presplit.book(stats);
+    if (is_finished_here()) {
+        const FinishStage::Input input{primitive_count, presplit.sources(), is_presplit()};
+        arena.execute([&] { finish.run(*backend, input, share_of_builder(options).end, stats); });
+    }
+    finished = true;
+    return stats;
+}
+
+void Builder::upload(const Mesh& mesh) {
+    with_memory_errors("a copy of the mesh", [&] { state_->upload(mesh); });
 }
 
 BuildStats Builder::run() {
-    State& state = *state_;
-    if (!state.uploaded) {
+    if (!state_->uploaded) {
         throw Error(ErrorCode::invalid_input, "nothing was uploaded; call upload() before run()");
     }
-    state.finished = false;
-    BuildStats stats = state.backend->run();
-    stats.inactive_primitives = state.inactive_primitives;
-    if (state.is_presplit()) state.presplit.book(stats);
-    if (state.is_finished_here()) {
-        const FinishStage::Input input{state.primitive_count, state.presplit.sources(), state.is_presplit()};
-        const double begin = share_of_builder(state.options).end;
-        state.arena.execute([&] { state.finish.run(*state.backend, input, begin, stats); });
-    }
-    state.finished = true;
-    return stats;
+    return with_memory_errors("the build", [&] { return state_->run(); });
 }
 
 Bvh Builder::download() const {
@@ -130,7 +139,9 @@ Bvh Builder::download() const {
     if (!state.finished) {
         throw Error(ErrorCode::invalid_input, "there is no finished tree; call run() before download()");
     }
-    return state.is_finished_here() ? state.finish.tree() : state.backend->download();
+    return with_memory_errors("a copy of the tree", [&] {
+        return state.is_finished_here() ? state.finish.tree() : state.backend->download();
+    });
 }
 
 Bvh Builder::build(const Mesh& mesh, BuildStats* stats) {

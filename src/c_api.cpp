@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <new>
 #include <string>
@@ -35,8 +36,8 @@ clbvh_error guarded(Body&& body) noexcept {
     }
 }
 
-// The options of version 0.1: no caller knows fewer.
-constexpr std::size_t kSmallestOptions = sizeof(clbvh_options);
+// The first options that there were: no caller knows fewer.
+constexpr std::size_t kSmallestOptions = offsetof(clbvh_options, inner_cost);
 
 void require(bool condition, const char* message) {
     if (!condition) {
@@ -46,7 +47,22 @@ void require(bool condition, const char* message) {
 
 clbvh_options default_options() {
     const clbvh::BuildOptions defaults;
-    return {sizeof(clbvh_options), defaults.search_radius, 0, 0, 0, defaults.single_group_threshold, nullptr, nullptr};
+    return {sizeof(clbvh_options),
+            defaults.search_radius,
+            0,
+            0,
+            0,
+            defaults.single_group_threshold,
+            nullptr,
+            nullptr,
+            defaults.inner_cost,
+            defaults.primitive_cost,
+            defaults.max_leaf_size,
+            defaults.presplit_level,
+            defaults.thread_count,
+            defaults.bin_count,
+            defaults.split_alpha,
+            defaults.reference_budget};
 }
 
 clbvh::BuildOptions to_build_options(const clbvh_options* given) {
@@ -66,6 +82,14 @@ clbvh::BuildOptions to_build_options(const clbvh_options* given) {
         result.neighbour_encoding = clbvh::NeighbourEncoding::bits64;
     }
     result.single_group_threshold = options.single_group_threshold;
+    result.inner_cost = options.inner_cost;
+    result.primitive_cost = options.primitive_cost;
+    result.max_leaf_size = options.max_leaf_size;
+    result.presplit_level = options.presplit_level;
+    result.thread_count = options.thread_count;
+    result.bin_count = options.bin_count;
+    result.split_alpha = options.split_alpha;
+    result.reference_budget = options.reference_budget;
     if (options.progress != nullptr) {
         result.progress = [options](const clbvh::Progress& progress) {
             return options.progress(options.progress_user, std::string(progress.stage).c_str(), progress.fraction) != 0;

@@ -234,3 +234,20 @@ TEST_CASE("one builder splits and merges meshes that grow and shrink") {
         }
     });
 }
+
+TEST_CASE("trees over the parts of nested diagonals are proven, however faces and edges meet") {
+    // Faces on two axes meet diagonal edges at the same place; rounding once took crossings beyond both ends of an
+    // edge, and the proof cut on without end.
+    Mesh mesh;
+    for (std::uint32_t i = 0; i < 3000; ++i) {
+        const auto s = static_cast<float>(i + 1);
+        mesh.vertices.insert(mesh.vertices.end(), {{-s, -s, -s}, {s, s, s}, {s, -s, s}});
+        mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    BuildOptions options;
+    options.presplit_level = 14;
+    for (const std::string_view id : {"median", "binned-sah", "sbvh"}) {
+        INFO(id);
+        CHECK(validate(Builder(id, options).build(mesh), mesh).error == "");
+    }
+}

@@ -1,6 +1,7 @@
 // The C interface: the same tree as the C++ one, every documented failure as a code and a message, and a compile as C.
 
 #include <catch2/catch.hpp>
+#include <cstddef>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -140,4 +141,35 @@ TEST_CASE("progress through the C interface names the stage and cancels") {
     REQUIRE(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_OK);
     CHECK(build(c.handle, clbvh::generate_scene("soup", 100)) == CLBVH_CANCELLED);
     CHECK(stage == "bounds");
+}
+
+TEST_CASE("host builders take their options through the C interface, and callers may know fewer of them") {
+    const Mesh mesh = clbvh::generate_scene("hair", 2000);
+    const auto build_with = [&](clbvh_options options) {
+        clbvh_builder* builder = nullptr;
+        REQUIRE(clbvh_create_builder("median", nullptr, &options, &builder) == CLBVH_OK);
+        REQUIRE(clbvh_build(builder, &mesh.vertices[0].x, mesh.vertices.size(), mesh.triangles[0].data(),
+                            mesh.triangles.size()) == CLBVH_OK);
+        std::uint64_t nodes = 0;
+        clbvh_nodes(builder, &nodes);
+        const int split = clbvh_has_split_references(builder);
+        clbvh_destroy_builder(builder);
+        return std::pair(nodes, split);
+    };
+    clbvh_options options;
+    clbvh_default_options(&options, sizeof options);
+    const auto plain = build_with(options);
+    CHECK(plain.second == 0);
+    options.max_leaf_size = 1;
+    CHECK(build_with(options) == std::pair<std::uint64_t, int>(4000, 0));
+    options.presplit_level = 8;
+    CHECK(build_with(options).second == 1);
+    options.size = offsetof(clbvh_options, inner_cost);  // all that a caller of the first layout knows
+    CHECK(build_with(options) == plain);
+
+    options.size = sizeof options;
+    options.bin_count = 65;
+    clbvh_builder* builder = nullptr;
+    CHECK(clbvh_create_builder("binned-sah", nullptr, &options, &builder) == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("bin_count is 65"));
 }

@@ -30,7 +30,8 @@ typedef struct clbvh_node {
     uint32_t count;
 } clbvh_node;
 
-/** Called between launches with the stage's name and the estimated part done, 0 to 1. Returning 0 cancels. */
+/** Called on the building thread between launches, and on the host while a stage is at work, with the stage's name and
+   the estimated part done, 0 to 1. Returning 0 cancels. */
 typedef int (*clbvh_progress)(void* user, const char* stage, double fraction);
 
 /** Options of a builder; fill with clbvh_default_options first. Later versions may append fields: `size` says which the
@@ -44,6 +45,14 @@ typedef struct clbvh_options {
     uint32_t single_group_threshold; /**< plocpp: clusters below which one work group finishes, 2 to 2^20. */
     clbvh_progress progress;         /**< May be null. */
     void* progress_user;             /**< Handed to `progress`. */
+    float inner_cost;                /**< Cost of visiting an inner node, above 0: SAH builders, merging of leaves. */
+    float primitive_cost;            /**< Cost of testing one primitive, above 0: the same. */
+    uint32_t max_leaf_size;          /**< Most primitives of a leaf, 1 to 64; 0: as the builder leaves it. */
+    uint32_t presplit_level;         /**< Split triangles with bad edges first, 1 to 40, say 14; 0: do not. */
+    uint32_t thread_count;           /**< Threads of the host's work, 1 to 1024; 0: all. */
+    uint32_t bin_count;              /**< binned-sah, sbvh: bins an axis, 2 to 64. */
+    float split_alpha;               /**< sbvh: see clbvh::BuildOptions, 0 to 1. */
+    float reference_budget;          /**< sbvh: most references, as a multiple of the primitives, 1 to 8. */
 } clbvh_options;
 
 /** A builder, on a device or on the host, with its programs, its memory and the last finished tree. One thread at a

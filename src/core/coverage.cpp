@@ -70,8 +70,12 @@ struct Plane {
 Point cross(const Point& a, const Point& b, const Plane& plane) {
     const double t = (plane.position - a[plane.axis]) / (b[plane.axis] - a[plane.axis]);
     Point point;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        point[axis] = a[axis] + t * (b[axis] - a[axis]);
+    // Clamped: a coordinate that rounding takes beyond both ends would make a part larger than the whole, and faces
+    // that were done with would be cut at again, without end.
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto [least, most] = std::minmax(a[axis], b[axis]);
+        point[axis] = std::clamp(a[axis] + t * (b[axis] - a[axis]), least, most);
+    }
     point[plane.axis] = plane.position;
     return point;
 }

@@ -7,7 +7,7 @@
 
 #include "host/prefetch.hpp"
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#if defined(CLBVH_HAS_SSE2) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define CLBVH_AAC_HAS_AVX2 1
 #include <immintrin.h>
 #endif
@@ -26,7 +26,7 @@ namespace scalar {
 #undef CLBVH_AAC_LANES
 }  // namespace scalar
 
-#if defined(__SSE2__)
+#if defined(CLBVH_HAS_SSE2)
 namespace sse2 {
 #define CLBVH_AAC_LANES 4
 #include "host/aac_lanes.ipp"
@@ -60,7 +60,7 @@ bool is_available(InstructionSet set) noexcept {
     switch (set) {
         case InstructionSet::scalar: return true;
         case InstructionSet::sse2:
-#if defined(__SSE2__)
+#if defined(CLBVH_HAS_SSE2)
             return true;
 #else
             return false;
@@ -83,11 +83,11 @@ InstructionSet best_instruction_set() noexcept {
 }
 
 template <typename Code>
-Clusterer<Code> clusterer(InstructionSet set, bool keep_distances) noexcept {
+Clusterer<Code> clusterer([[maybe_unused]] InstructionSet set, bool keep_distances) noexcept {
 #if defined(CLBVH_AAC_HAS_AVX2)
     if (set == InstructionSet::avx2) return avx2::clusterer<Code>(keep_distances);
 #endif
-#if defined(__SSE2__)
+#if defined(CLBVH_HAS_SSE2)
     if (set == InstructionSet::sse2) return sse2::clusterer<Code>(keep_distances);
 #endif
     return scalar::clusterer<Code>(keep_distances);

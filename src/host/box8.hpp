@@ -6,11 +6,11 @@
 
 // Two implementations of the same eight lanes. A function that is compiled for AVX2 uses Box8Avx, every other one
 // Box8Pair; both give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__)
+#if defined(CLBVH_HAS_SSE2) && defined(__x86_64__) && defined(__GNUC__)
 #define CLBVH_HAS_AVX2_FUNCTIONS 1
 #define CLBVH_AVX2_FUNCTION __attribute__((target("avx2,popcnt")))
 #endif
-// always_inline: functions for one instruction set call nothing that another compilation of a header may provide.
+// Lanes of eight floats stay within such functions: no call passes them.
 #define CLBVH_ALWAYS_INLINE inline __attribute__((always_inline))
 
 namespace clbvh::host {

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/check_field.hpp"
+#include "core/memory_errors.hpp"
 #include "host/bottom_up.hpp"
 #include "host/emit_tree.hpp"
 
@@ -135,10 +136,12 @@ Bvh collapse(const Bvh& tree, const CollapseConfig& config) {
     check_range("max_leaf_size", config.max_leaf_size, 1, kMaxLeafSize);
     check_positive("inner_cost", config.inner_cost);
     check_positive("primitive_cost", config.primitive_cost);
-    host::Scratch scratch;
-    Bvh result;
-    host::collapse(tree, config, scratch, result);
-    return result;
+    return with_memory_errors("the merging of leaves", [&] {
+        host::Scratch scratch;
+        Bvh result;
+        host::collapse(tree, config, scratch, result);
+        return result;
+    });
 }
 
 }  // namespace clbvh

@@ -1,6 +1,8 @@
 #pragma once
 
-#if defined(__SSE2__)
+// CLBVH_NO_VECTORS tries on any processor what others without SSE2 run.
+#if defined(__SSE2__) && !defined(CLBVH_NO_VECTORS)
+#define CLBVH_HAS_SSE2 1
 #include <emmintrin.h>
 #else
 #include <array>
@@ -16,7 +18,7 @@ namespace clbvh::host {
 /// Four floats that are worked on at once: three coordinates, and a fourth lane that does not matter.
 /// SSE2 where the compiler has it (every x86-64), plain arrays elsewhere, with the same results.
 struct Float4 {
-#if defined(__SSE2__)
+#if defined(CLBVH_HAS_SSE2)
     __m128 lanes;
 
     [[nodiscard]] static Float4 load(const float* source) noexcept {
@@ -120,6 +122,9 @@ struct Float4 {
     [[nodiscard]] float z() const noexcept {
         return lanes[2];
     }
+    [[nodiscard]] Float4 negated() const noexcept {
+        return {{-lanes[0], -lanes[1], -lanes[2], -lanes[3]}};
+    }
     [[nodiscard]] Float4 without_w() const noexcept {
         return {{lanes[0], lanes[1], lanes[2], 0.0f}};
     }
@@ -191,7 +196,7 @@ struct Float4 {
 
 /// Four integers that are counted with.
 struct Int4 {
-#if defined(__SSE2__)
+#if defined(CLBVH_HAS_SSE2)
     __m128i lanes = _mm_setzero_si128();
 
     [[nodiscard]] static Int4 load(const std::int32_t* source) noexcept {

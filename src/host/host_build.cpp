@@ -1,5 +1,6 @@
 #include "host/host_build.hpp"
 
+#include "core/memory_errors.hpp"
 #include "core/primitive_limit.hpp"
 #include "host/primitive_bounds.hpp"
 
@@ -40,24 +41,28 @@ BuildStats run_host_build(const HostInput& input, const BoundAlgorithm& algorith
 
 Bvh build_over_mesh(const Mesh& mesh, const BoundAlgorithm& algorithm) {
     const std::uint64_t inactive = check_mesh(mesh);
-    Scratch scratch;
-    Bvh result;
-    run_host_build({mesh, mesh, mesh.triangles.size() - inactive}, algorithm, {}, scratch, result);
-    return result;
+    return with_memory_errors("the build", [&] {
+        Scratch scratch;
+        Bvh result;
+        run_host_build({mesh, mesh, mesh.triangles.size() - inactive}, algorithm, {}, scratch, result);
+        return result;
+    });
 }
 
 Bvh build_over_boxes(std::span<const Aabb> bounds, const BoundAlgorithm& algorithm) {
     check_primitive_count(bounds.size());
     check_boxes(bounds);
-    Scratch scratch;
-    Bvh result;
-    result.primitive_count = bounds.size();
-    const ProgressCallback no_progress;
-    HostStages stages(no_progress);
-    const std::span<Reference> references = scratch.take<Reference>(bounds.size());
-    const Bounds scene = copy_boxes(bounds, references);
-    run_algorithm(references, scene, nullptr, algorithm, scratch, stages, result);
-    return result;
+    return with_memory_errors("the build", [&] {
+        Scratch scratch;
+        Bvh result;
+        result.primitive_count = bounds.size();
+        const ProgressCallback no_progress;
+        HostStages stages(no_progress);
+        const std::span<Reference> references = scratch.take<Reference>(bounds.size());
+        const Bounds scene = copy_boxes(bounds, references);
+        run_algorithm(references, scene, nullptr, algorithm, scratch, stages, result);
+        return result;
+    });
 }
 
 }  // namespace clbvh::host

@@ -16,6 +16,7 @@
 #include <limits>
 
 #include "core/check_field.hpp"
+#include "core/memory_errors.hpp"
 #include "host/subdivision.hpp"
 
 namespace clbvh::host {
@@ -220,30 +221,40 @@ void presplit(const Mesh& mesh, const PresplitConfig& config, HostStages& stages
 
 namespace clbvh {
 
-PresplitMesh presplit(const Mesh& mesh, const PresplitConfig& config) {
-    check_range("level", config.level, 1, kMaxPresplitLevel);
-    check_range("triangle_budget", config.triangle_budget, 1.0f, 64.0f);
-    static_cast<void>(check_mesh(mesh));
+namespace host {
+namespace {
+
+PresplitMesh split(const Mesh& mesh, const PresplitConfig& config) {
     const ProgressCallback no_progress;
-    host::HostStages stages(no_progress);
-    const host::Plan plan(mesh, config, true, stages);
+    HostStages stages(no_progress);
+    const Plan plan(mesh, config, true, stages);
     const std::size_t old_vertices = mesh.vertices.size();
     PresplitMesh result{mesh, {}};
     result.mesh.vertices.resize(old_vertices + plan.part_count() - mesh.triangles.size());
     result.mesh.triangles.resize(plan.part_count());
     result.source.resize(plan.part_count());
     plan.for_each_triangle([&](std::size_t triangle, std::size_t first_part) {
-        host::MeshSink sink{result.mesh, first_part, static_cast<std::uint32_t>(old_vertices + first_part - triangle)};
+        MeshSink sink{result.mesh, first_part, static_cast<std::uint32_t>(old_vertices + first_part - triangle)};
         if (is_inactive(mesh, triangle)) {
             result.mesh.triangles[sink.part++] = mesh.triangles[triangle];
         } else {
-            host::subdivide(host::corners_of(mesh, mesh.triangles[triangle]), plan.threshold(), sink);
+            subdivide(corners_of(mesh, mesh.triangles[triangle]), plan.threshold(), sink);
         }
         std::fill(result.source.begin() + static_cast<std::ptrdiff_t>(first_part),
                   result.source.begin() + static_cast<std::ptrdiff_t>(sink.part), static_cast<std::uint32_t>(triangle));
         return sink.part - first_part;
     });
     return result;
+}
+
+}  // namespace
+}  // namespace host
+
+PresplitMesh presplit(const Mesh& mesh, const PresplitConfig& config) {
+    check_range("level", config.level, 1, kMaxPresplitLevel);
+    check_range("triangle_budget", config.triangle_budget, 1.0f, 64.0f);
+    static_cast<void>(check_mesh(mesh));
+    return with_memory_errors("the split mesh", [&] { return host::split(mesh, config); });
 }
 
 }  // namespace clbvh

@@ -63,7 +63,7 @@ struct BuildOptions {
     std::uint32_t chunk_size = 0;       ///< Clusters per chunk of the lane shape, 64 to 4096 in steps of 64; 0: chosen.
     std::uint32_t work_group_size = 0;  ///< Work items of the group shape, a power of two, 32 to 1024; 0: chosen.
     std::uint32_t range_count = 0;      ///< plocpp-two-level: least number of Morton ranges, 1 to 512; 0: chosen.
-    ProgressCallback progress;          ///< Called between launches; may cancel.
+    ProgressCallback progress;          ///< See ProgressCallback; may cancel.
 };
 
 /// Throws Error(invalid_input) naming the first option out of its range.

@@ -36,8 +36,8 @@ struct Progress {
     double fraction = 0.0;   ///< Estimated part of the whole build that is done, 0 to 1, never falling.
 };
 
-/// Called on the building thread between launches. Returning false cancels: the build throws Error(cancelled), and the
-/// builder can be used again.
+/// Called on the building thread, between launches, and on the host while a stage is at work. Returning false cancels:
+/// the build throws Error(cancelled), and the builder can be used again.
 using ProgressCallback = std::function<bool(const Progress&)>;
 
 }  // namespace clbvh

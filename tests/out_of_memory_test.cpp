@@ -1,0 +1,84 @@
+// Memory that runs out: every allocation of a host build fails once, and each time an Error(out_of_memory) comes out,
+// and the builder still works.
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <new>
+
+#include "clbvh/core/error.hpp"
+#include "clbvh/io/scene.hpp"
+#include "support/builders.hpp"
+
+namespace {
+
+/// Allocations that still succeed before one fails; negative: all do.
+std::atomic<long> allocations_left{-1};
+
+bool may_allocate() noexcept {
+    if (allocations_left.load() < 0) return true;
+    return allocations_left.fetch_sub(1) > 0;
+}
+
+}  // namespace
+
+// In place of the standard library's, for the whole test program and the libraries that it loads.
+void* operator new(std::size_t size) {
+    void* const memory = may_allocate() ? std::malloc(size == 0 ? 1 : size) : nullptr;
+    if (memory == nullptr) throw std::bad_alloc();
+    return memory;
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+
+using namespace clbvh;
+using namespace clbvh::test;
+
+namespace {
+
+/// Builds, and lets the allocation behind the first `allowed` ones fail. Returns false where that was told as it should
+/// be, true where there were fewer.
+bool try_build(Builder& builder, const Mesh& mesh, long allowed) {
+    try {
+        allocations_left = allowed;
+        builder.upload(mesh);
+        builder.run();
+        allocations_left = -1;
+        return true;
+    } catch (const Error& error) {
+        allocations_left = -1;
+        REQUIRE(error.code() == ErrorCode::out_of_memory);
+        return false;
+    } catch (const std::bad_alloc&) {
+        allocations_left = -1;
+        FAIL("std::bad_alloc came out");
+    }
+    return false;
+}
+
+}  // namespace
+
+TEST_CASE("an allocation that fails anywhere in a host build is an Error, and the builder still works") {
+    const Mesh mesh = generate_scene("hair", 3000);
+    for (const std::uint32_t presplit : {0u, 8u}) {
+        for (const std::string_view id : host_builders()) {
+            INFO(id << ", presplit " << presplit);
+            BuildOptions options;
+            options.thread_count = 1;
+            options.presplit_level = presplit;
+            options.max_leaf_size = 8;
+            const Bvh expected = Builder(id, options).build(mesh);
+            long failures = 0;
+            for (long allowed = 0; allowed < 10000; allowed += 1 + allowed / 10) {
+                Builder builder(id, options);
+                if (try_build(builder, mesh, allowed)) break;
+                ++failures;
+                REQUIRE(same_bytes(builder.build(mesh), expected));
+            }
+            CHECK(failures > 0);
+        }
+    }
+}
