@@ -11,7 +11,7 @@ void PresplitStage::run(const Mesh& mesh, double end) {
     host::HostStages stages(options_.progress);
     stages.begin("presplit", 0.0, end, mesh.triangles.size());
     host::presplit(mesh, config, stages, parts_);
-    if (row_.info.kind == BuilderKind::host) {
+    if (row_.clips_triangles) {
         triangles_.vertices = mesh.vertices;
         triangles_.triangles.resize(parts_.source.size());
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parts_.source.size(), 8192), [&](const auto& range) {

@@ -19,8 +19,8 @@ public:
 
     /// A line for each part, which stands for its box.
     [[nodiscard]] const Mesh& boxes() const noexcept { return parts_.mesh; }
-    /// For each part the whole triangle, for host builders, which may clip it; without triangles for others.
-    [[nodiscard]] const Mesh& triangles() const noexcept { return triangles_; }
+    /// For each part the whole triangle, for builders that clip it; the boxes again for others.
+    [[nodiscard]] const Mesh& triangles() const noexcept { return row_.clips_triangles ? triangles_ : parts_.mesh; }
     /// The triangle that each part is a part of.
     [[nodiscard]] std::span<const std::uint32_t> sources() const noexcept { return parts_.source; }
 

@@ -11,6 +11,7 @@ struct BuilderRow {
     BuilderInfo info;
     const device::DeviceAlgorithm* device_algorithm;
     host::HostAlgorithm host_algorithm;
+    bool clips_triangles = false;  ///< The host algorithm reads HostBuild::mesh.
 };
 
 /// The row of `id`; throws as find_builder does.
