@@ -118,14 +118,15 @@ std::string scene_title(const std::optional<Context>& context, std::span<const B
     if (const auto result = first(BuilderKind::device); result != results.end() && context)
         title += fmt::format("; {} shape on {}", to_string(result->shape), context->device().name);
     if (const auto result = first(BuilderKind::host); result != results.end())
-        title += fmt::format("; host builders on {} threads", result->threads);
+        title += fmt::format("; host builders on {}", threads_text(result->threads));
     return title;
 }
 
 std::string native_sort_line(const BuildResult& result) {
     const double ms = result.native_sort_ms.value_or(Sample{}).median;
-    return fmt::format("native sort (64-bit keys, 32-bit values, {} threads)  {:.2f} ms  {} Mkeys/s\n",
-                       NativeSort::threads(), ms, fixed(static_cast<double>(result.triangles) / ms / 1e3, 1));
+    return fmt::format("native sort (64-bit keys, 32-bit values, {})  {:.2f} ms  {} Mkeys/s\n",
+                       threads_text(NativeSort::threads()), ms,
+                       fixed(static_cast<double>(result.triangles) / ms / 1e3, 1));
 }
 
 /// One builder in the table of means: its results, scene by scene, each with those that it is compared with.

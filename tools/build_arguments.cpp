@@ -14,6 +14,12 @@ constexpr const char* kHost = "Host builders";
 constexpr const char* kDevice = "Device builders";
 constexpr const char* kTuning = "Tuning of device builders";
 constexpr const char* kPaperPresplitLevel = "14";
+constexpr const char* kForBuilding = ", for building; reported SAH is always at 1.2 and 1.0";
+
+/// CLI11 takes an empty word for 0.
+std::string refuse_empty(const std::string& value) {
+    return value.empty() ? "needs a number" : "";
+}
 
 /// An option whose value is one of the names of `values`; the first of them is the default.
 template <typename Enum>
@@ -37,7 +43,10 @@ CLI::Option* BuildArguments::add_number(CLI::App& command, const std::string& na
                                         const std::string& help) {
     checked_.push_back({name, [field](const BuildOptions& from, BuildOptions& to) { to.*field = from.*field; }});
     const bool whole = std::is_integral_v<std::remove_reference_t<decltype(options.*field)>>;
-    return command.add_option(name, options.*field, help)->type_name(whole ? "N" : "X")->capture_default_str();
+    return command.add_option(name, options.*field, help)
+        ->check(refuse_empty)
+        ->type_name(whole ? "N" : "X")
+        ->capture_default_str();
 }
 
 void BuildArguments::add_options(CLI::App& command) {
@@ -61,22 +70,29 @@ void BuildArguments::check() const {
 }
 
 void BuildArguments::add_tree_options(CLI::App& command) {
-    add_number(command, "--max-leaf", &BuildOptions::max_leaf_size,
-               "Merge leaves up to this size as far as that lowers the SAH cost; 0: as the builder leaves them")
+    add_number(
+        command, "--max-leaf", &BuildOptions::max_leaf_size,
+        "Largest leaf, 1 to 64: the builder's own where it makes leaves itself (binned-sah, sweep-sah, sbvh, aac, "
+        "median); then leaves are merged up to it as far as that lowers the SAH cost. 0: as the builder leaves "
+        "them")
         ->group(kTree);
     add_number(command, "--presplit", &BuildOptions::presplit_level,
-               "Split triangles with an edge whose box exceeds the scene's volume / 2^LEVEL; off unless given")
+               "Split triangles with an edge whose box exceeds the scene's volume / 2^LEVEL, 1 to 40; off unless given")
         ->group(kTree)
         ->type_name("[LEVEL]")
         ->expected(0, 1)
         ->default_str(kPaperPresplitLevel);
-    add_number(command, "--inner-cost", &BuildOptions::inner_cost, "SAH cost of visiting an inner node")->group(kTree);
-    add_number(command, "--primitive-cost", &BuildOptions::primitive_cost, "SAH cost of testing a primitive")
+    add_number(command, "--inner-cost", &BuildOptions::inner_cost,
+               std::string("SAH cost of visiting an inner node") + kForBuilding)
+        ->group(kTree);
+    add_number(command, "--primitive-cost", &BuildOptions::primitive_cost,
+               std::string("SAH cost of testing a primitive") + kForBuilding)
         ->group(kTree);
 }
 
 void BuildArguments::add_host_options(CLI::App& command) {
-    add_number(command, "--threads", &BuildOptions::thread_count, "Threads of the host's work; 0: all")->group(kHost);
+    add_number(command, "--threads", &BuildOptions::thread_count, "Threads of the host's work, 1 to 1024; 0: all")
+        ->group(kHost);
     add_number(command, "--bins", &BuildOptions::bin_count, "Bins an axis of builders that bin, 2 to 64")->group(kHost);
     command
         .add_flag("--longest-axis", options.bin_longest_axis_only,
@@ -119,16 +135,16 @@ void BuildArguments::add_device_tuning(CLI::App& command) {
                "How the group shape finds neighbours")
         ->group(kTuning);
     add_number(command, "--threshold", &BuildOptions::single_group_threshold,
-               "plocpp: clusters below which one work group finishes the tree")
+               "plocpp: clusters below which one work group finishes the tree, 2 to 1048576")
         ->group(kTuning);
     add_number(command, "--chunk", &BuildOptions::chunk_size,
-               "Clusters per chunk of the lane shape; 0: chosen for the device")
+               "Clusters per chunk of the lane shape, 64 to 4096 in steps of 64; 0: chosen for the device")
         ->group(kTuning);
     add_number(command, "--work-group", &BuildOptions::work_group_size,
-               "Work items per group of the group shape; 0: chosen for the device")
+               "Work items per group of the group shape, a power of two, 32 to 1024; 0: chosen for the device")
         ->group(kTuning);
     add_number(command, "--ranges", &BuildOptions::range_count,
-               "plocpp-two-level: least number of Morton ranges; 0: chosen for the device")
+               "plocpp-two-level: least number of Morton ranges, 1 to 512; 0: chosen for the device")
         ->group(kTuning);
 }
 

@@ -30,7 +30,7 @@ std::string stage_table(const BuildResult& result) {
 /// What is the builder's own to say: where and how it ran.
 std::string builder_line(const BuildResult& result) {
     if (result.kind == BuilderKind::host) {
-        return fmt::format("{}, on the host, {} threads", result.builder, result.threads);
+        return fmt::format("{}, on the host, {}", result.builder, threads_text(result.threads));
     }
     const std::string radius = result.radius > 0 ? fmt::format(", radius {}", result.radius) : "";
     return fmt::format("{}, {} shape{}", result.builder, to_string(result.shape), radius);
@@ -55,7 +55,8 @@ std::string tree_line(const BuildResult& result) {
 
 }  // namespace
 
-std::string build_report(const std::optional<Context>& context, const BuildResult& result, double load_ms) {
+std::string build_report(const std::optional<Context>& context, const BuildResult& result, double load_ms,
+                         std::string_view output) {
     std::string text;
     const auto line = [&text](std::string_view label, const std::string& value) {
         fmt::format_to(std::back_inserter(text), "{:<9}  {}\n", label, value);
@@ -72,6 +73,7 @@ std::string build_report(const std::optional<Context>& context, const BuildResul
     line("memory", fmt::format("{:.1f} bytes per primitive at the peak", result.peak_bytes_per_primitive()));
     if (result.inactive_primitives > 0) line("inactive", fmt::format("{} primitives", result.inactive_primitives));
     if (result.valid) line("valid", *result.valid ? "yes" : "no");
+    if (!output.empty()) line("output", std::string(output));
     return text + '\n' + stage_table(result);
 }
 

@@ -3,13 +3,15 @@
 #include <clbvh/device/context.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "build_result.hpp"
 
 namespace clbvh::tool {
 
-/// What `build` tells people: a line for each thing worth knowing, and the table of stages.
-[[nodiscard]] std::string build_report(const std::optional<Context>& context, const BuildResult& result,
-                                       double load_ms);
+/// What `build` tells people: a line for each thing worth knowing, and the table of stages. `output` is the
+/// file that the tree was written to; empty where it was not.
+[[nodiscard]] std::string build_report(const std::optional<Context>& context, const BuildResult& result, double load_ms,
+                                       std::string_view output);
 
 }  // namespace clbvh::tool

@@ -1,6 +1,7 @@
 #include "build_result.hpp"
 
 #include <fmt/core.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -97,8 +98,13 @@ int report_invalid_trees(std::span<const BuildResult> results) {
 }
 
 std::uint32_t host_threads(const BuildOptions& options) {
-    return options.thread_count > 0 ? options.thread_count
-                                    : static_cast<std::uint32_t>(tbb::this_task_arena::max_concurrency());
+    if (options.thread_count == 0) return static_cast<std::uint32_t>(tbb::this_task_arena::max_concurrency());
+    const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    return static_cast<std::uint32_t>(std::min<std::size_t>(options.thread_count, most));
+}
+
+std::string threads_text(std::size_t count) {
+    return fmt::format("{} thread{}", count, count == 1 ? "" : "s");
 }
 
 std::string_view to_string(BuilderKind kind) {

@@ -3,6 +3,7 @@
 #include <clbvh/builder.hpp>
 #include <clbvh/core/bvh.hpp>
 #include <clbvh/core/mesh.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -60,8 +61,10 @@ void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool v
 /// Tells standard error about each tree that failed validation, and returns the exit code: a peer's tree is no failure.
 [[nodiscard]] int report_invalid_trees(std::span<const BuildResult> results);
 
-/// How many threads a host builder with these options runs on.
+/// How many threads a host builder with these options runs on: no more than oneTBB allows.
 [[nodiscard]] std::uint32_t host_threads(const BuildOptions& options);
+
+[[nodiscard]] std::string threads_text(std::size_t count);  ///< "1 thread", "2 threads"
 
 [[nodiscard]] std::string_view to_string(BuilderKind kind);  ///< "host", "device"
 

@@ -2,13 +2,26 @@
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
-#include <clbvh/registry.hpp>
+#include <string>
 
 namespace clbvh::tool {
 namespace {
 
 bool runs_on_device(std::string_view id) {
     return find_builder(id).kind == BuilderKind::device;
+}
+
+const BuilderInfo& require_id_or_group(std::string_view word) {
+    try {
+        return require_builder(word);
+    } catch (const Error& error) {
+        throw Error(error.code(), std::string(error.what()) + "; groups are: all, host, device");
+    }
+}
+
+std::string_view without_spaces_around(std::string_view word) {
+    const std::size_t begin = std::min(word.find_first_not_of(' '), word.size());
+    return word.substr(begin, word.find_last_not_of(' ') + 1 - begin);
 }
 
 /// The ids of a list, and whether a device is needed or only welcome.
@@ -23,8 +36,9 @@ public:
             }
             needs_device_ = needs_device_ || word == "device";
         } else {
-            add_id(find_builder(word).id);
-            needs_device_ = needs_device_ || runs_on_device(word);
+            const BuilderInfo& builder = require_id_or_group(word);
+            add_id(builder.id);
+            needs_device_ = needs_device_ || builder.kind == BuilderKind::device;
         }
     }
     [[nodiscard]] const std::vector<std::string>& ids() const { return ids_; }
@@ -43,7 +57,7 @@ IdList parse(std::string_view list) {
     IdList result;
     for (std::size_t begin = 0; begin <= list.size();) {
         const std::size_t end = std::min(list.find(',', begin), list.size());
-        result.add_word(list.substr(begin, end - begin));
+        result.add_word(without_spaces_around(list.substr(begin, end - begin)));
         begin = end + 1;
     }
     return result;
@@ -51,7 +65,16 @@ IdList parse(std::string_view list) {
 
 }  // namespace
 
-BuilderChoice choose_builders(std::string_view list, std::string_view device) {
+const BuilderInfo& require_builder(std::string_view id) {
+    try {
+        return find_builder(id);
+    } catch (const Error& error) {
+        if (!id.starts_with("embree")) throw;
+        throw Error(error.code(), std::string(error.what()) + "; Embree's builders come with bench --peers");
+    }
+}
+
+BuilderChoice choose_builders(std::string_view list, std::string_view device, std::string_view way_out) {
     const IdList wanted = parse(list);
     BuilderChoice choice;
     choice.ids = wanted.ids();
@@ -59,7 +82,8 @@ BuilderChoice choose_builders(std::string_view list, std::string_view device) {
     try {
         choice.context = Context::open(device);
     } catch (const Error& error) {
-        if (wanted.needs_device() || !device.empty()) throw;
+        if (!device.empty()) throw;
+        if (wanted.needs_device()) throw Error(error.code(), std::string(error.what()) + "; " + std::string(way_out));
         choice.reason = error.what();
         const auto first_unavailable = std::stable_partition(choice.ids.begin(), choice.ids.end(),
                                                              [](const std::string& id) { return !runs_on_device(id); });

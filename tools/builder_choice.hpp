@@ -1,6 +1,7 @@
 #pragma once
 
 #include <clbvh/device/context.hpp>
+#include <clbvh/registry.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,10 +17,15 @@ struct BuilderChoice {
     std::string reason;                        ///< Why they cannot.
 };
 
-/// Resolves a list of ids and groups with commas between them. The groups are "all", "host" and "device".
+/// Resolves a list of ids and groups with commas, and spaces where liked, between them. The groups are "all", "host"
+/// and "device".
 ///
 /// Device builders that only "all" asks for are left out where no device can be had; where one is asked for by its id,
-/// by "device" or by a `device` selector, that is an error. Throws what find_builder and Context::open throw.
-[[nodiscard]] BuilderChoice choose_builders(std::string_view list, std::string_view device);
+/// by "device" or by a `device` selector, that is an error. Throws what require_builder and Context::open
+/// throw; where no device was selected and none can be had, the message ends with `way_out`.
+[[nodiscard]] BuilderChoice choose_builders(std::string_view list, std::string_view device, std::string_view way_out);
+
+/// find_builder, whose error also tells where builders of other libraries are.
+const BuilderInfo& require_builder(std::string_view id);
 
 }  // namespace clbvh::tool

@@ -33,10 +33,12 @@ struct Arguments {
     JsonOutput json;
 };
 
+constexpr const char* kWayOut = "--builder binned-sah (a host builder; see clbvh builders) needs no device";
+
 /// What needs no mesh is checked first: loading one may take long.
 void check_arguments(const Arguments& arguments) {
     arguments.build.check();
-    static_cast<void>(find_builder(arguments.builder));
+    static_cast<void>(require_builder(arguments.builder));
     arguments.json.require_writable();
     if (!arguments.output.empty()) require_writable(arguments.output);
 }
@@ -67,7 +69,7 @@ Bvh build_twice(const Arguments& arguments, const std::optional<Context>& contex
 
 int build(const Arguments& arguments) {
     check_arguments(arguments);
-    const std::optional<Context> context = choose_builders(arguments.builder, arguments.build.device).context;
+    const std::optional<Context> context = choose_builders(arguments.builder, arguments.build.device, kWayOut).context;
     const Stopwatch load;
     const Mesh mesh = load_scene(arguments.scene);
     const double load_ms = load.milliseconds();
@@ -77,25 +79,34 @@ int build(const Arguments& arguments) {
     const Bvh bvh = build_twice(arguments, context, mesh, result);
     describe_tree(result, bvh, mesh, arguments.validate);
     throw_if_interrupted();
-    if (arguments.json.leaves_standard_output()) fmt::print("{}", build_report(context, result, load_ms));
-    const bool invalid = !result.valid.value_or(true);
-    if (!arguments.output.empty() && !invalid) write_bvh(bvh, arguments.output);
+    const std::string output = result.valid.value_or(true) ? arguments.output : "";
+    if (!output.empty()) write_bvh(bvh, output);
+    if (arguments.json.leaves_standard_output()) fmt::print("{}", build_report(context, result, load_ms, output));
     const std::span<const BuildResult> results(&result, 1);
-    arguments.json.write(to_json(context, results));
+    arguments.json.write(to_json(context, arguments.build.options, results));
     return report_invalid_trees(results);
+}
+
+std::string require_file_name(const std::string& value) {
+    return value.empty() || value == "-" ? "-o needs a file" : "";
 }
 
 }  // namespace
 
 Command add_build_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("build", "Build a tree over one scene");
+    command->footer(
+        "Builds twice and reports the second time: the first build warms up, since drivers compile kernels at their "
+        "first\nlaunch, and memory is slower when it is first touched.");
     auto arguments = std::make_shared<Arguments>();
     command->add_option("scene", arguments->scene, "Mesh file, or gen:NAME[:COUNT[:SEED]]; see clbvh scenes")
         ->type_name("SCENE")
         ->required();
     command->add_option("--builder", arguments->builder, "See clbvh builders")->type_name("ID")->capture_default_str();
     arguments->build.add_options(*command);
-    command->add_option("-o,--output", arguments->output, "Write the tree to this file")->type_name("FILE");
+    command->add_option("-o,--output", arguments->output, "Write the tree to this file")
+        ->type_name("FILE")
+        ->check(require_file_name);
     command->add_flag("--validate", arguments->validate, "Prove the tree right; exit code 3 where it is not");
     arguments->json.add_option(*command);
     return {command, [arguments] { return build(*arguments); }};

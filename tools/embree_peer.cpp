@@ -17,6 +17,7 @@
 #include <string>
 #include <type_traits>
 
+#include "embree_error.hpp"
 #include "embree_tree.hpp"
 #include "interrupt.hpp"
 #include "split_triangle.hpp"
@@ -119,7 +120,7 @@ public:
           inactive_count_(check_mesh(mesh)),
           active_(inactive_count_ == 0 ? std::vector<std::uint32_t>{} : list_active(mesh)),
           count_(mesh.triangles.size() - inactive_count_),
-          arena_(options.thread_count == 0 ? tbb::task_arena::automatic : static_cast<int>(options.thread_count)),
+          arena_(static_cast<int>(host_threads(options))),
           primitives_(allocate_primitives(capacity())),
           device_(rtcNewDevice("hugepages=1")) {
         require(device_ != nullptr);
@@ -174,7 +175,7 @@ private:
         const RTCError code = rtcGetDeviceError(device_.get());
         if (code == RTC_ERROR_CANCELLED) throw_if_interrupted();
         throw Error(code == RTC_ERROR_OUT_OF_MEMORY ? ErrorCode::out_of_memory : ErrorCode::unsupported,
-                    std::string(variant_.id) + " failed with Embree's error " + std::to_string(code));
+                    std::string(variant_.id) + " failed with " + std::string(embree_error_name(code)));
     }
 
     void fill_primitives() const {

@@ -2,9 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <string_view>
+#include <system_error>
 
 #include "command.hpp"
 #include "exit_code.hpp"
@@ -51,6 +54,17 @@ int parse_and_run(int argc, char** argv) {
     return usage_error("a command is missing");
 }
 
+/// What was printed may still be in a buffer, and a full disk says so only now.
+int finish_standard_output(int code) {
+    const bool flushed = std::fflush(stdout) == 0;
+    const int reason = errno;
+    // Where the command failed, it has said why.
+    if ((flushed && std::ferror(stdout) == 0) || code == kExitFailure) return code;
+    fmt::print(stderr, "clbvh: error: cannot write standard output{}{}\n", flushed ? "" : ": ",
+               flushed ? "" : std::generic_category().message(reason));
+    return code == kExitSuccess ? kExitFailure : code;
+}
+
 }  // namespace
 }  // namespace clbvh::tool
 
@@ -58,5 +72,5 @@ int main(int argc, char** argv) {
     // PoCL pins its threads only where this is set before the first OpenCL call; else short kernels often share a core.
     setenv("POCL_AFFINITY", "1", 0);
     clbvh::tool::catch_interrupts();
-    return clbvh::tool::parse_and_run(argc, argv);
+    return clbvh::tool::finish_standard_output(clbvh::tool::parse_and_run(argc, argv));
 }

@@ -1,5 +1,9 @@
 #include "result_json.hpp"
 
+#include <fmt/format.h>
+
+#include <string>
+
 namespace clbvh::tool {
 namespace {
 
@@ -61,6 +65,35 @@ ordered_json result_json(const BuildResult& result) {
     return json;
 }
 
+/// The double that is written with as few digits as the float: 1.2, not 1.2000000476837158.
+double shortest(float value) {
+    return std::stod(fmt::format("{}", value));
+}
+
+ordered_json options_json(const BuildOptions& options) {
+    return {
+        {"inner_cost", shortest(options.inner_cost)},
+        {"primitive_cost", shortest(options.primitive_cost)},
+        {"max_leaf_size", options.max_leaf_size},
+        {"bin_count", options.bin_count},
+        {"bin_longest_axis_only", options.bin_longest_axis_only},
+        {"split_alpha", shortest(options.split_alpha)},
+        {"reference_budget", shortest(options.reference_budget)},
+        {"presplit_level", options.presplit_level},
+        {"thread_count", options.thread_count},
+        {"search_radius", options.search_radius},
+        {"shape", to_string(options.shape)},
+        {"sort_shape", to_string(options.sort_shape)},
+        {"morton_code", to_string(options.morton_code)},
+        {"neighbour_encoding", to_string(options.neighbour_encoding)},
+        {"neighbour_search", to_string(options.neighbour_search)},
+        {"single_group_threshold", options.single_group_threshold},
+        {"chunk_size", options.chunk_size},
+        {"work_group_size", options.work_group_size},
+        {"range_count", options.range_count},
+    };
+}
+
 }  // namespace
 
 ordered_json to_json(const DeviceInfo& device) {
@@ -81,11 +114,14 @@ ordered_json to_json(const DeviceInfo& device) {
     };
 }
 
-ordered_json to_json(const std::optional<Context>& context, std::span<const BuildResult> results) {
+ordered_json to_json(const std::optional<Context>& context, const BuildOptions& options,
+                     std::span<const BuildResult> results) {
     ordered_json list = ordered_json::array();
     for (const BuildResult& result : results)
         list.push_back(result_json(result));
-    return {{"device", context ? to_json(context->device()) : ordered_json()}, {"results", std::move(list)}};
+    return {{"device", context ? to_json(context->device()) : ordered_json()},
+            {"options", options_json(options)},
+            {"results", std::move(list)}};
 }
 
 }  // namespace clbvh::tool

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <clbvh/registry.hpp>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
@@ -59,7 +60,8 @@ TEST_CASE("bench describes every builder on every scene") {
     REQUIRE(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     const ordered_json document = ordered_json::parse(outcome.out);
-    CHECK(field_names(document) == Words{"device", "results"});
+    CHECK(field_names(document) == Words{"device", "options", "results"});
+    check_options(document["options"]);
     check_device(document["device"]);
     const ordered_json& results = document["results"];
     REQUIRE(results.size() == 2 * builders().size());
@@ -76,7 +78,7 @@ TEST_CASE("bench describes every builder on every scene") {
 }
 
 TEST_CASE("bench runs the builders that are named, each once, in that order") {
-    const Outcome outcome = run_tool({"bench", "gen:soup:1000", "--builders", "lbvh,plocpp,lbvh", "--runs", "1",
+    const Outcome outcome = run_tool({"bench", "gen:soup:1000", "--builders", "lbvh, plocpp ,lbvh", "--runs", "1",
                                       "--radius", "4", "--shape", "group", "--no-validate", "--json", "-"});
     REQUIRE(outcome.exit_code == 0);
     const ordered_json results = ordered_json::parse(outcome.out)["results"];
@@ -155,7 +157,7 @@ TEST_CASE("groups stand for their builders, each once, beside ids") {
 
 TEST_CASE("without a device, bench runs the host builders and says why no others") {
     const ordered_json document = bench({"gen:soup:1000"}, kNoDriver);
-    CHECK(field_names(document) == Words{"device", "results", "unavailable"});
+    CHECK(field_names(document) == Words{"device", "options", "results", "unavailable"});
     CHECK(document["device"].is_null());
     std::size_t ran = 0;
     std::size_t unavailable = 0;
@@ -183,7 +185,7 @@ TEST_CASE("without a device, a device builder that is asked for is an error") {
         const Outcome outcome = run_tool({"bench", "gen:soup:10", "--builders", list}, kNoDriver);
         CHECK(outcome.exit_code == 1);
         CHECK(outcome.out.empty());
-        CHECK_THAT(outcome.err, Contains("pocl-opencl-icd"));
+        CHECK_THAT(outcome.err, Contains("pocl-opencl-icd") && Contains("--builders host needs no device"));
     }
 }
 
@@ -198,9 +200,54 @@ TEST_CASE("bench names what is wrong with its input, and prints no table") {
         CHECK_THAT(outcome.err, Contains("clbvh: error: ") && Contains(part));
     };
     expect_failure({"gen:soup:10", "--builders", "ploc,quick"}, "quick");
+    expect_failure({"gen:soup:10", "--builders", "quick"}, "groups are: all, host, device");
+    expect_failure({"gen:soup:10", "--builders", "median,embree-sbvh"}, "--peers");
     expect_failure({"gen:soup:10", "--builders", "ploc,"}, "plocpp-two-level");
     expect_failure({"gen:soup:10", "--radius", "33"}, "radius is 33");
     expect_failure({"gen:soup:10", "--device", "no such device"}, "no such device");
     expect_failure({"/nonexistent/scene.obj"}, "/nonexistent/scene.obj");
     expect_failure({"gen:soup:10", "--json", folder.path("none/x.json")}, "none/x.json");
+}
+
+TEST_CASE("bench finds a scene that cannot be opened before it times any") {
+    const ScratchFolder folder;
+    const std::string present = folder.path("present.obj");
+    std::ofstream(present) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    CHECK(bench({present, "gen:soup:10:3", "--builders", "median"})["results"].size() == 2);
+    for (const std::string& scene :
+         {folder.path("absent.obj"), folder.path(""), std::string("/dev/null"), std::string("gen:stew"),
+          std::string("gen:soup:many"), std::string("gen:soup:"), std::string("gen:soup:1:"),
+          std::string("gen:soup:1:x"), std::string("gen:soup:1:2:3"), std::string("gen:soup:1073741824")}) {
+        INFO(scene);
+        const std::string json = folder.path("bench.json");
+        const Outcome outcome =
+            run_tool({"bench", "gen:soup:100", scene, "gen:broth", "--builders", "median", "--json", json});
+        INFO(outcome.err);
+        CHECK(outcome.exit_code == 1);
+        CHECK(outcome.out.empty());
+        CHECK_THAT(outcome.err, Contains(scene) && !Contains("broth"));
+        CHECK(folder.file_count() == 1);
+    }
+}
+
+TEST_CASE("a benchmark that fails keeps what it has measured") {
+    const ScratchFolder folder;
+    const std::string broken = folder.path("broken.obj");
+    std::ofstream(broken) << "v 0 0 zero\n";
+    const Outcome outcome =
+        run_tool({"bench", "gen:soup:100", broken, "--builders", "median", "--runs", "1", "--json", "-"}, kNoDriver);
+    CHECK(outcome.exit_code == 1);
+    CHECK_THAT(outcome.err, Contains(broken));
+    const ordered_json document = ordered_json::parse(outcome.out);
+    CHECK(field_names(document) == Words{"device", "options", "results", "incomplete"});
+    REQUIRE(document["results"].size() == 1);
+    check_result(document["results"][0], {"valid", "native_sort_ms"});
+    CHECK_THAT(document["incomplete"].get<std::string>(), Contains(broken));
+}
+
+TEST_CASE("one thread is no plural") {
+    const Outcome outcome =
+        run_tool({"bench", "gen:soup:100", "--builders", "median", "--runs", "1", "--threads", "1"}, kNoDriver);
+    REQUIRE(outcome.exit_code == 0);
+    CHECK_THAT(lines_of(outcome.out).at(0), Catch::Matchers::EndsWith("host builders on 1 thread"));
 }

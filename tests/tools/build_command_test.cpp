@@ -6,6 +6,7 @@
 #include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -34,7 +35,8 @@ ordered_json result_of(Words arguments, const Words& environment = {}) {
     REQUIRE(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     const ordered_json document = ordered_json::parse(outcome.out);
-    CHECK(field_names(document) == Words{"device", "results"});
+    CHECK(field_names(document) == Words{"device", "options", "results"});
+    check_options(document["options"]);
     REQUIRE(document["results"].size() == 1);
     const ordered_json& result = document["results"][0];
     if (result["kind"] == "device") {
@@ -158,7 +160,7 @@ TEST_CASE("without a device, host builders build and device builders say what to
         if (builder.kind == BuilderKind::host) {
             CHECK(result_of(words, kNoDriver)["valid"] == true);
         } else {
-            expect_failure(words, {"pocl-opencl-icd"}, kNoDriver);
+            expect_failure(words, {"pocl-opencl-icd", "--builder binned-sah", "needs no device"}, kNoDriver);
         }
     }
 }
@@ -189,7 +191,7 @@ TEST_CASE("the summary of a host builder speaks of no device") {
     const Outcome outcome = run_tool({"build", "gen:soup:3000", "--builder", "median", "--threads", "1"}, kNoDriver);
     CHECK(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
-    CHECK_THAT(outcome.out, Contains("median, on the host, 1 threads") && Contains("Mtris/s") && Contains("stage"));
+    CHECK_THAT(outcome.out, Contains("median, on the host, 1 thread\n") && Contains("Mtris/s") && Contains("stage"));
     for (const char* word : {"device", "shape", "launches", "iterations", "kernels"})
         CHECK_THAT(outcome.out, !Contains(word));
 }
@@ -211,6 +213,7 @@ TEST_CASE("the file that build writes is the tree that it describes") {
 
 TEST_CASE("build names what is wrong with its input") {
     expect_failure({"gen:soup:10", "--builder", "plocpq"}, {"plocpq", "plocpp", "lbvh"});
+    expect_failure({"gen:soup:10", "--builder", "embree-sbvh"}, {"embree-sbvh", "--peers", "plocpp"});
     expect_failure({"gen:stew"}, {"stew", "soup"});
     expect_failure({"gen:soup:many"}, {"many"});
     expect_failure({"/nonexistent/scene.obj"}, {"/nonexistent/scene.obj"});
@@ -243,4 +246,62 @@ TEST_CASE("scenes of no and of one triangle are built") {
     const ordered_json one = result_of({"gen:soup:1", "--validate"});
     CHECK(one["valid"] == true);
     CHECK(one["nodes"] == 1);
+}
+
+TEST_CASE("build reports the file that it wrote") {
+    const ScratchFolder folder;
+    const std::string path = folder.path("tree.bvh");
+    const Words words{"build", "gen:soup:100", "--builder", "median"};
+    CHECK_THAT(run_tool(words).out, !Contains("\noutput "));
+    Words with_output = words;
+    with_output.insert(with_output.end(), {"-o", path});
+    CHECK_THAT(run_tool(with_output).out, Contains("\noutput     " + path + "\n"));
+    CHECK(folder.file_count() == 1);
+}
+
+TEST_CASE("build's JSON holds the options that were in force") {
+    const auto options_with = [](const Words& options) {
+        Words words{"build", "gen:soup:100", "--builder", "median", "--json", "-"};
+        words.insert(words.end(), options.begin(), options.end());
+        return ordered_json::parse(run_tool(words).out)["options"];
+    };
+    const ordered_json plain = options_with({});
+    CHECK(plain["inner_cost"].dump() == "1.2");
+    CHECK(plain["split_alpha"].dump() == "1e-05");
+    CHECK(plain["max_leaf_size"] == 0);
+    CHECK(plain["morton_code"] == "xyz");
+    const std::vector<std::tuple<const char*, ordered_json, Words>> cases{
+        {"inner_cost", 2.5, {"--inner-cost", "2.5"}},
+        {"primitive_cost", 0.5, {"--primitive-cost", "0.5"}},
+        {"max_leaf_size", 7, {"--max-leaf", "7"}},
+        {"bin_count", 9, {"--bins", "9"}},
+        {"bin_longest_axis_only", true, {"--longest-axis"}},
+        {"split_alpha", 0.25, {"--alpha", "0.25"}},
+        {"reference_budget", 1.5, {"--budget", "1.5"}},
+        {"presplit_level", 14, {"--presplit"}},
+        {"thread_count", 1, {"--threads", "1"}},
+        {"search_radius", 9, {"--radius", "9"}},
+        {"shape", "lane", {"--shape", "lane"}},
+        {"sort_shape", "group", {"--sort-shape", "group"}},
+        {"morton_code", "extended", {"--morton", "extended"}},
+        {"neighbour_encoding", "bits64", {"--encoding", "bits64"}},
+        {"neighbour_search", "scan", {"--search", "scan"}},
+        {"single_group_threshold", 512, {"--threshold", "512"}},
+        {"chunk_size", 128, {"--chunk", "128"}},
+        {"work_group_size", 64, {"--work-group", "64"}},
+        {"range_count", 3, {"--ranges", "3"}},
+    };
+    CHECK(cases.size() == plain.size());
+    for (const auto& [name, value, words] : cases) {
+        INFO(name);
+        ordered_json expected = plain;
+        expected.at(name) = value;
+        CHECK(options_with(words) == expected);
+    }
+}
+
+TEST_CASE("a build on more threads than there are runs on those there are, and says nothing else") {
+    const ordered_json all = result_of({"gen:soup:1000", "--builder", "median"}, kNoDriver);
+    const ordered_json many = result_of({"gen:soup:1000", "--builder", "median", "--threads", "1024"}, kNoDriver);
+    CHECK(many["threads"] == all["threads"]);
 }

@@ -53,7 +53,7 @@ TEST_CASE("a tree that is not valid has no cost, and its own exit code") {
     CHECK(report_invalid_trees(results) == 3);
     results[1].is_peer = true;
     CHECK(report_invalid_trees(results) == 0);
-    const auto json = to_json(std::nullopt, results)["results"];
+    const auto json = to_json(std::nullopt, {}, results)["results"];
     CHECK(json[0]["valid"] == true);
     CHECK(json[1]["valid"] == false);
     CHECK(nlohmann::ordered_json::parse(json.dump())[1]["sah"].is_null());
@@ -67,4 +67,15 @@ TEST_CASE("counting ends though the nodes are no tree") {
     out_of_range.nodes[0].first = 4;
     CHECK_THROWS_AS(measure_extent(out_of_range), Error);
     CHECK(measure_extent(Bvh{}).nodes == 0);
+}
+
+TEST_CASE("threads are counted in words, and no more of them than may run") {
+    CHECK(threads_text(1) == "1 thread");
+    CHECK(threads_text(2) == "2 threads");
+    BuildOptions options;
+    const std::uint32_t all = host_threads(options);
+    options.thread_count = 1;
+    CHECK(host_threads(options) == 1);
+    options.thread_count = 1024;
+    CHECK(host_threads(options) == all);
 }

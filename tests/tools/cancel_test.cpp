@@ -5,6 +5,8 @@
 
 #include <array>
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
@@ -71,6 +73,27 @@ TEST_CASE("Ctrl-C ends a benchmark without a trace") {
     tool.interrupt();
     expect_cancelled(tool.wait());
     CHECK(folder.file_count() == 0);
+}
+
+TEST_CASE("Ctrl-C in a later scene of a benchmark keeps the earlier ones") {
+    const ScratchFolder folder;
+    const std::string text = folder.path("bench.txt");
+    const std::string json = folder.path("bench.json");
+    const int out = open(text.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    REQUIRE(out >= 0);
+    ToolProcess tool(
+        {"bench", "gen:soup:10", "gen:soup:100000", "--builders", "median", "--runs", "10000", "--json", json}, {}, -1,
+        out);
+    close(out);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (read_text(text).find("native sort") == std::string::npos && std::chrono::steady_clock::now() < deadline)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    tool.interrupt();
+    CHECK(tool.wait().exit_code == 130);
+    const auto document = nlohmann::json::parse(read_text(json));
+    CHECK(document["incomplete"] == "interrupted");
+    REQUIRE(document["results"].size() == 1);
+    CHECK(document["results"][0]["scene"] == "gen:soup:10");
 }
 
 TEST_CASE("a terminal shows progress, and keeps nothing of it") {

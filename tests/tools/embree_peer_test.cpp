@@ -5,6 +5,7 @@
 #include <clbvh/core/validate.hpp>
 #include <clbvh/io/scene.hpp>
 #include <clbvh/metrics/sah.hpp>
+#include <embree_error.hpp>
 #include <embree_peer.hpp>
 #include <limits>
 #include <tree_extent.hpp>
@@ -56,7 +57,7 @@ TEST_CASE("the trees of Embree's builders are valid, whatever the mesh and the o
                 const BuildResult result = peer->result();
                 CHECK(result.builder == peer->name());
                 CHECK(result.is_peer);
-                CHECK(result.threads == 2);
+                CHECK(result.threads == host_threads(options));
                 CHECK(result.build_ms.min > 0.0);
                 CHECK(result.inactive_primitives == check_mesh(mesh));
             }
@@ -91,4 +92,9 @@ TEST_CASE("Embree's limit on the size of leaves is told before any work") {
     CHECK_THROWS_AS(check_embree_peers(options), Error);
     options.max_leaf_size = 32;
     CHECK_NOTHROW(check_embree_peers(options));
+}
+
+TEST_CASE("Embree's errors have their names") {
+    CHECK(embree_error_name(RTC_ERROR_INVALID_ARGUMENT) == "RTC_ERROR_INVALID_ARGUMENT");
+    CHECK(embree_error_name(RTC_ERROR_OUT_OF_MEMORY) == "RTC_ERROR_OUT_OF_MEMORY");
 }

@@ -55,3 +55,30 @@ TEST_CASE("bench refuses what its peers cannot do") {
     CHECK(outcome.out.empty());
     CHECK_THAT(outcome.err, Contains(has_embree() ? "--max-leaf" : "libembree-dev"));
 }
+
+TEST_CASE("bench says beneath its table that peers know no presplitting") {
+    if (!has_embree()) {
+        WARN("skipped: built without Embree");
+        return;
+    }
+    std::vector<std::string> words{"bench", "gen:soup:100", "--builders", "median", "--peers", "--runs", "1"};
+    const std::string note = "Embree's builders ran without presplitting\n";
+    CHECK_THAT(run_tool(words, kNoDriver).out, !Contains(note));
+    words.emplace_back("--presplit");
+    CHECK_THAT(run_tool(words, kNoDriver).out, Contains(note));
+}
+
+TEST_CASE("peers run on the threads that there are, and standard error stays empty") {
+    if (!has_embree()) {
+        WARN("skipped: built without Embree");
+        return;
+    }
+    const Outcome outcome = run_tool({"bench", "gen:soup:1000", "--builders", "median", "--peers", "--runs", "1",
+                                      "--threads", "1024", "--json", "-"},
+                                     kNoDriver);
+    REQUIRE(outcome.exit_code == 0);
+    CHECK(outcome.err.empty());
+    const std::uint32_t all = tool::host_threads({});
+    for (const ordered_json& result : ordered_json::parse(outcome.out)["results"])
+        CHECK(result["threads"] == all);
+}

@@ -109,6 +109,22 @@ void check_result(const ordered_json& result, const Names& extra) {
     CHECK(result["peak_bytes_per_primitive"].get<double>() >= (on_device ? 64.0 : 32.0));
 }
 
+void check_options(const ordered_json& options) {
+    INFO(options.dump(2));
+    const Names reals{"inner_cost", "primitive_cost", "split_alpha", "reference_budget"};
+    const Names choices{"shape", "sort_shape", "morton_code", "neighbour_encoding", "neighbour_search"};
+    const Names counts{"max_leaf_size",          "bin_count",  "presplit_level",  "thread_count", "search_radius",
+                       "single_group_threshold", "chunk_size", "work_group_size", "range_count"};
+    for (const std::string& name : reals)
+        CHECK(options.at(name).is_number_float());
+    for (const std::string& name : choices)
+        CHECK(options.at(name).is_string());
+    for (const std::string& name : counts)
+        CHECK(options.at(name).is_number_unsigned());
+    CHECK(options.at("bin_longest_axis_only").is_boolean());
+    CHECK(options.size() == reals.size() + choices.size() + counts.size() + 1);
+}
+
 void check_device(const ordered_json& device) {
     INFO(device.dump(2));
     for (const char* name : {"name", "vendor", "platform", "version", "driver_version", "type"}) {

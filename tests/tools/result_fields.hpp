@@ -13,6 +13,9 @@ namespace clbvh::test {
 /// every result has.
 void check_result(const nlohmann::ordered_json& result, const std::vector<std::string>& extra);
 
+/// Checks the names and the types of "options".
+void check_options(const nlohmann::ordered_json& options);
+
 /// Checks the fields of "device".
 void check_device(const nlohmann::ordered_json& device);
 

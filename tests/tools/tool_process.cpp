@@ -52,7 +52,7 @@ bool handles(pid_t pid, int signal) {
 }  // namespace
 
 ToolProcess::ToolProcess(const std::vector<std::string>& arguments, const std::vector<std::string>& environment,
-                         int stderr_fd)
+                         int stderr_fd, int stdout_fd)
     : out_(std::tmpfile()), err_(std::tmpfile()) {
     if (!out_ || !err_) throw std::system_error(errno, std::generic_category(), "tmpfile");
     std::vector<std::string> words{"clbvh"};
@@ -61,7 +61,7 @@ ToolProcess::ToolProcess(const std::vector<std::string>& arguments, const std::v
 
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, fileno(out_.get()), STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, stdout_fd >= 0 ? stdout_fd : fileno(out_.get()), STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, stderr_fd >= 0 ? stderr_fd : fileno(err_.get()), STDERR_FILENO);
     const int error =
         posix_spawn(&pid_, CLBVH_TOOL, &actions, nullptr, pointers(words).data(), pointers(variables).data());

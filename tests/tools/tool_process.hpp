@@ -19,9 +19,10 @@ struct Outcome {
 /// A running `clbvh`. Its output goes to unnamed files, so that a full pipe never stops it.
 class ToolProcess {
 public:
-    /// `environment` holds NAME=VALUE entries added to this process's. `stderr_fd` takes standard error where >= 0.
+    /// `environment` holds NAME=VALUE entries added to this process's. `stderr_fd` and `stdout_fd` take
+    /// standard error and output where >= 0.
     explicit ToolProcess(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {},
-                         int stderr_fd = -1);
+                         int stderr_fd = -1, int stdout_fd = -1);
     ToolProcess(const ToolProcess&) = delete;
     ToolProcess& operator=(const ToolProcess&) = delete;
     ~ToolProcess();

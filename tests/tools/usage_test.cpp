@@ -1,4 +1,8 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -67,6 +71,46 @@ TEST_CASE("a wrong command line is a usage error") {
     expect_usage_error({"build", "gen:soup:10", "--radius", "-1"}, "--radius");
     expect_usage_error({"build", "gen:soup:10", "--bins", "many"}, "--bins");
     expect_usage_error({"bench", "--presplit", "gen:soup:10", "gen:soup:20"}, "--presplit");
-    expect_usage_error({"bench", "gen:soup:10", "--runs", "0"}, "--runs");
+    for (const char* runs : {"0", "-1", "some"})
+        expect_usage_error({"bench", "gen:soup:10", "--runs", runs}, "--runs: must be at least 1\n");
+    for (const char* option : {"--max-leaf", "--threads", "--inner-cost"})
+        expect_usage_error({"build", "gen:soup:10", option, ""}, std::string(option) + ": needs a number");
+    for (const char* file : {"-", ""})
+        expect_usage_error({"build", "gen:soup:10", "-o", file}, "-o needs a file");
     expect_usage_error({"bench", "gen:soup:10", "--json"}, "--json");
+}
+
+TEST_CASE("help tells ranges, and what options mean to whom") {
+    // Where CLI11 breaks a line is no matter here.
+    const auto words_of_help = [](const std::string& command) {
+        std::istringstream help(run_tool({command, "--help"}).out);
+        std::string words;
+        for (std::string word; help >> word;)
+            words += word + ' ';
+        return words;
+    };
+    for (const char* command : {"build", "bench"}) {
+        CHECK_THAT(words_of_help(command),
+                   Contains("Largest leaf, 1 to 64: the builder's own where it makes leaves itself (binned-sah, "
+                            "sweep-sah, sbvh, aac, median); then leaves are merged") &&
+                       Contains("volume / 2^LEVEL, 1 to 40;") && Contains("Threads of the host's work, 1 to 1024;") &&
+                       Contains("finishes the tree, 2 to 1048576 ") &&
+                       Contains("an inner node, for building; reported SAH is always at 1.2 and 1.0") &&
+                       Contains("a primitive, for building; reported SAH is always at 1.2 and 1.0"));
+    }
+    CHECK_THAT(words_of_help("build"), Contains("Builds twice and reports the second time"));
+    CHECK_THAT(words_of_help("bench"), Contains("they take --max-leaf, --budget, the costs and --threads, no other"));
+}
+
+TEST_CASE("standard output that cannot be written is an error") {
+    const int full = open("/dev/full", O_WRONLY | O_CLOEXEC);
+    REQUIRE(full >= 0);
+    for (const Words& words : {Words{"builders"}, Words{"builders", "--json", "-"}, Words{"scenes"}, Words{"--help"},
+                               Words{"build", "gen:soup:100", "--builder", "median"}}) {
+        INFO(words[0]);
+        const Outcome outcome = ToolProcess(words, {}, -1, full).wait();
+        CHECK(outcome.exit_code == 1);
+        CHECK_THAT(outcome.err, StartsWith("clbvh: error: cannot write") && Contains("No space left on device"));
+    }
+    close(full);
 }
