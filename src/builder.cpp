@@ -53,8 +53,8 @@ BuildOptions options_of_builder(const BuildOptions& options) {
 }  // namespace
 
 struct Builder::State {
-    State(std::string_view builder_id, std::optional<Context> chosen_context, const BuildOptions& chosen_options)
-        : row(find_builder_row(builder_id)), context(std::move(chosen_context)), options(chosen_options) {
+    State(std::string_view builder_id, std::optional<Context> chosen_context, BuildOptions chosen_options)
+        : row(find_builder_row(builder_id)), context(std::move(chosen_context)), options(std::move(chosen_options)) {
         check_options(options);
         backend_options = options_of_builder(options);
         arena.initialize(arena_size(options.thread_count));

@@ -24,7 +24,7 @@ void name_sources(Bvh& tree, std::span<const std::uint32_t> sources) {
             for (std::uint32_t& id : ids)
                 id = sources[id];
             std::ranges::sort(ids);
-            leaf.count -= static_cast<std::uint32_t>(std::ranges::unique(ids).size());
+            leaf.count = static_cast<std::uint32_t>(std::unique(ids.begin(), ids.end()) - ids.begin());
         }
     });
 }

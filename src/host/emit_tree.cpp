@@ -118,7 +118,7 @@ private:
     }
 
     /// Adds `id` to the ascending ones in begin .. end, unless it is there.
-    static std::uint32_t* insert(std::uint32_t id, std::uint32_t* begin, std::uint32_t* end) noexcept {
+    static std::uint32_t* insert(std::uint32_t id, const std::uint32_t* begin, std::uint32_t* end) noexcept {
         std::uint32_t* place = end;
         while (place != begin && place[-1] > id)
             --place;

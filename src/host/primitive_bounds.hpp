@@ -13,7 +13,7 @@ namespace clbvh::host {
 Bounds bound_primitives(const Mesh& mesh, std::span<Reference> references, Scratch& scratch);
 
 /// Writes a reference for each box; the spans are of one size. Returns the bounds of all.
-Bounds copy_boxes(std::span<const Aabb> bounds, std::span<Reference> references);
+Bounds copy_boxes(std::span<const Aabb> boxes, std::span<Reference> references);
 
 /// Throws Error(invalid_input) naming the first box that has a NaN, is inverted or lies beyond kMaxCoordinate.
 void check_boxes(std::span<const Aabb> bounds);
