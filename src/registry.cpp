@@ -23,13 +23,18 @@ Config with_leaf_size(Config config, const BuildOptions& options) {
     return config;
 }
 
+template <typename Config>
+Config with_costs(Config config, const BuildOptions& options) {
+    config.inner_cost = options.inner_cost;
+    config.primitive_cost = options.primitive_cost;
+    return with_leaf_size(config, options);
+}
+
 void run_binned_sah(host::HostBuild& build, const BuildOptions& options) {
     BinnedSahConfig config;
     config.bin_count = options.bin_count;
     config.longest_axis_only = options.bin_longest_axis_only;
-    config.inner_cost = options.inner_cost;
-    config.primitive_cost = options.primitive_cost;
-    host::build_binned_sah(build, with_leaf_size(config, options));
+    host::build_binned_sah(build, with_costs(config, options));
 }
 
 void run_median(host::HostBuild& build, const BuildOptions& options) {
@@ -42,34 +47,23 @@ void run_sbvh(host::HostBuild& build, const BuildOptions& options) {
     config.spatial_bin_count = options.bin_count;
     config.alpha = options.split_alpha;
     config.reference_budget = options.reference_budget;
-    config.inner_cost = options.inner_cost;
-    config.primitive_cost = options.primitive_cost;
-    host::build_sbvh(build, with_leaf_size(config, options));
+    host::build_sbvh(build, with_costs(config, options));
 }
 
 void run_sweep_sah(host::HostBuild& build, const BuildOptions& options) {
-    SweepSahConfig config;
-    config.inner_cost = options.inner_cost;
-    config.primitive_cost = options.primitive_cost;
-    host::build_sweep_sah(build, with_leaf_size(config, options));
+    host::build_sweep_sah(build, with_costs(SweepSahConfig{}, options));
 }
 
 void run_locally_ordered(host::HostBuild& build, const BuildOptions&) {
     host::build_locally_ordered(build);
 }
 
-void run_aac(host::HostBuild& build, AacConfig config, const BuildOptions& options) {
-    config.inner_cost = options.inner_cost;
-    config.primitive_cost = options.primitive_cost;
-    host::build_aac(build, with_leaf_size(config, options));
-}
-
 void run_aac_hq(host::HostBuild& build, const BuildOptions& options) {
-    run_aac(build, AacConfig::hq(), options);
+    host::build_aac(build, with_costs(AacConfig::hq(), options));
 }
 
 void run_aac_fast(host::HostBuild& build, const BuildOptions& options) {
-    run_aac(build, AacConfig::fast(), options);
+    host::build_aac(build, with_costs(AacConfig::fast(), options));
 }
 
 // The table of builders. A new builder is one row here.

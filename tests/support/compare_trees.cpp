@@ -1,5 +1,6 @@
 #include "support/compare_trees.hpp"
 
+#include <algorithm>
 #include <sstream>
 #include <vector>
 
@@ -75,6 +76,11 @@ std::string compare_trees(const Bvh& a, const Bvh& b) {
         visits.push_back({std::size_t{x.first} + 1, std::size_t{y.first} + 1, i, true});
     }
     return {};
+}
+
+bool same_topology(const Bvh& a, const Bvh& b) {
+    const auto same = [](const Node& x, const Node& y) { return x.first == y.first && x.count == y.count; };
+    return a.primitive_ids == b.primitive_ids && std::ranges::equal(a.nodes, b.nodes, same);
 }
 
 }  // namespace clbvh::test

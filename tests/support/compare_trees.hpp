@@ -11,4 +11,7 @@ namespace clbvh::test {
 /// nothing where the trees are equal. Reads nothing out of range, whatever the trees hold.
 [[nodiscard]] std::string compare_trees(const Bvh& a, const Bvh& b);
 
+/// True where both trees have the same children and leaves in the same numbering, whatever their boxes.
+[[nodiscard]] bool same_topology(const Bvh& a, const Bvh& b);
+
 }  // namespace clbvh::test

@@ -1,5 +1,7 @@
 #include "support/meshes.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -51,6 +53,19 @@ void deactivate_triangles(Mesh& mesh, std::size_t first, std::size_t step) {
     for (std::size_t i = first; i < mesh.triangles.size(); i += step) {
         mesh.vertices[mesh.triangles[i][i % 3]].y = std::numeric_limits<float>::quiet_NaN();
     }
+}
+
+Mesh scaled(Mesh mesh, float factor) {
+    for (Vec3& v : mesh.vertices)
+        v = {v.x * factor, v.y * factor, v.z * factor};
+    return mesh;
+}
+
+float largest_scale(const Mesh& mesh) {
+    float largest = 0.0f;
+    for (const Vec3& v : mesh.vertices)
+        largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    return std::exp2(std::floor(std::log2(kMaxCoordinate / largest)));
 }
 
 }  // namespace clbvh::test

@@ -17,4 +17,10 @@ namespace clbvh::test {
 /// meshes whose triangles share no vertices.
 void deactivate_triangles(Mesh& mesh, std::size_t first = 0, std::size_t step = 1);
 
+/// The mesh, all coordinates times `factor`.
+[[nodiscard]] Mesh scaled(Mesh mesh, float factor);
+
+/// The largest power of two by which the mesh can be scaled and stay legal. Powers of two change no bit of a mantissa.
+[[nodiscard]] float largest_scale(const Mesh& mesh);
+
 }  // namespace clbvh::test
