@@ -2,7 +2,6 @@
 // parallel, each with buckets of its own.
 #include "host/radix_sort.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -131,22 +130,9 @@ KeyedValues<Key> radix_sort(KeyedValues<Key> input, KeyedValues<Key> other, std:
     return input;
 }
 
-template <typename Key>
-void radix_sort(std::span<Key> keys, std::span<std::uint32_t> values, std::uint32_t key_bits, Scratch& scratch) {
-    const KeyedValues<Key> other{scratch.take<Key>(keys.size()), scratch.take<std::uint32_t>(keys.size())};
-    const KeyedValues<Key> sorted = radix_sort(KeyedValues<Key>{keys, values}, other, key_bits, scratch);
-    if (sorted.keys.data() == keys.data()) return;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, keys.size(), kLeastBlock), [&](const auto& range) {
-        std::ranges::copy(sorted.keys.subspan(range.begin(), range.size()), keys.data() + range.begin());
-        std::ranges::copy(sorted.values.subspan(range.begin(), range.size()), values.data() + range.begin());
-    });
-}
-
 template KeyedValues<std::uint32_t> radix_sort(KeyedValues<std::uint32_t>, KeyedValues<std::uint32_t>, std::uint32_t,
                                                Scratch&);
 template KeyedValues<std::uint64_t> radix_sort(KeyedValues<std::uint64_t>, KeyedValues<std::uint64_t>, std::uint32_t,
                                                Scratch&);
-template void radix_sort(std::span<std::uint32_t>, std::span<std::uint32_t>, std::uint32_t, Scratch&);
-template void radix_sort(std::span<std::uint64_t>, std::span<std::uint32_t>, std::uint32_t, Scratch&);
 
 }  // namespace clbvh::host

@@ -22,8 +22,4 @@ template <typename Key>
 [[nodiscard]] KeyedValues<Key> radix_sort(KeyedValues<Key> input, KeyedValues<Key> other, std::uint32_t key_bits,
                                           Scratch& scratch);
 
-/// The same, with the result in place.
-template <typename Key>
-void radix_sort(std::span<Key> keys, std::span<std::uint32_t> values, std::uint32_t key_bits, Scratch& scratch);
-
 }  // namespace clbvh::host

@@ -9,6 +9,10 @@
 
 namespace clbvh::host {
 
+/// Beyond this depth builders that follow the surface area heuristic halve ranges, so that no input makes a tree that
+/// is much deeper.
+inline constexpr std::uint32_t kMaxSahDepth = 256;
+
 /// The growing tree of a builder that splits a range of positions at each inner node. Pair p, which is nodes 2p and
 /// 2p + 1, takes the children of a node that is split at position p: every position from 1 to n - 1 is a border once at
 /// most, so tasks share no counter, and every number of threads gives the same numbering. A subtree over the positions

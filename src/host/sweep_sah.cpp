@@ -27,8 +27,6 @@
 namespace clbvh::host {
 namespace {
 
-/// Beyond this depth ranges are halved, so that no input makes a tree that is much deeper.
-constexpr std::uint32_t kMaxSahDepth = 256;
 /// Ranges from this size on are split by two tasks, which may go on in parallel.
 constexpr std::uint32_t kParallelSubtree = 2048;
 /// Ranges up to this size have their references copied together.

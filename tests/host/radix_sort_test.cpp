@@ -52,8 +52,10 @@ Pairs<Key> stable_sorted(const Pairs<Key>& pairs) {
 template <typename Key>
 Pairs<Key> radix_sorted(Pairs<Key> pairs, std::uint32_t key_bits) {
     Scratch scratch;
-    radix_sort(std::span(pairs.keys), std::span(pairs.values), key_bits, scratch);
-    return pairs;
+    Pairs<Key> other = pairs;
+    const KeyedValues<Key> sorted =
+        radix_sort<Key>({pairs.keys, pairs.values}, {other.keys, other.values}, key_bits, scratch);
+    return {{sorted.keys.begin(), sorted.keys.end()}, {sorted.values.begin(), sorted.values.end()}};
 }
 
 }  // namespace
