@@ -4,15 +4,16 @@
 //   in    vertices [.. * 3], triangles [n * 3]
 //   out   boxes [n * 6]: NaNs where the primitive is inactive (a coordinate is NaN)
 //         partial [groups * 12]: scene lower, scene upper, centroid lower, centroid upper of the group's piece;
-//         centroids are doubled (lower + upper)
+//         centroids are doubled (lower + upper); partial_counts [groups]: its active primitives
 //   launch groups of WORK_GROUP_SIZE, each on piece_length primitives; any number of groups
 //   local  16 * WORK_GROUP_SIZE * 4 bytes
 // reduce_bounds
-//   in    partial [partial_count * 12]
-//   out   bounds [12], in the same order
+//   in    partial [partial_count * 12], partial_counts [partial_count]
+//   out   bounds [12], in the same order; leaf_count [1]: the active primitives of all
 //   launch one group
 #include "work_group.clh"
 #include "aabb.clh"
+#include "scan.clh"
 
 #define BOUNDS_FLOATS 12
 
@@ -78,11 +79,14 @@ static inline float4 load_vertex(global const float* vertices, uint index) {
 }
 
 KERNEL void primitive_bounds(global const float* vertices, global const uint* triangles, uint primitive_count,
-                             uint piece_length, global float* boxes, global float* partial) {
+                             uint piece_length, global float* boxes, global float* partial,
+                             global uint* partial_counts) {
     local SceneBounds scratch[WORK_GROUP_SIZE];
+    local uint scan[WORK_GROUP_SIZE];
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)primitive_count);
     SceneBounds mine = empty_bounds();
+    uint active = 0;
     FOR_WORK_ITEMS(i, begin, end) {
         const float4 a = load_vertex(vertices, triangles[3 * i]);
         const float4 b = load_vertex(vertices, triangles[3 * i + 1]);
@@ -96,18 +100,33 @@ KERNEL void primitive_bounds(global const float* vertices, global const uint* tr
             const float4 centroid = lower + upper;
             const SceneBounds one = {lower, upper, centroid, centroid};
             mine = merge_bounds(mine, one);
+            ++active;
         }
         store_corner(boxes + BOX_FLOATS * i, lower);
         store_corner(boxes + BOX_FLOATS * i + 3, upper);
     }
     store_bounds(partial + BOUNDS_FLOATS * get_group_id(0), reduce_over_group(scratch, mine));
+    uint total;
+    group_exclusive_scan(scan, active, &total);
+    if (LOCAL_ID == 0) {
+        partial_counts[get_group_id(0)] = total;
+    }
 }
 
-KERNEL void reduce_bounds(global const float* partial, uint partial_count, global float* bounds) {
+KERNEL void reduce_bounds(global const float* partial, global const uint* partial_counts, uint partial_count,
+                          global float* bounds, global uint* leaf_count) {
     local SceneBounds scratch[WORK_GROUP_SIZE];
+    local uint scan[WORK_GROUP_SIZE];
     SceneBounds mine = empty_bounds();
+    uint active = 0;
     FOR_WORK_ITEMS(i, 0, partial_count) {
         mine = merge_bounds(mine, load_bounds(partial + BOUNDS_FLOATS * i));
+        active += partial_counts[i];
     }
     store_bounds(bounds, reduce_over_group(scratch, mine));
+    uint total;
+    group_exclusive_scan(scan, active, &total);
+    if (LOCAL_ID == 0) {
+        *leaf_count = total;
+    }
 }

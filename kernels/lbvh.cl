@@ -51,8 +51,10 @@ static inline uint push_cluster(PendingCluster* stack, uint size, PendingCluster
     return size + 1;
 }
 
-KERNEL void build_pieces(global const ulong* codes, global const float* leaves, uint leaf_count, uint piece_length,
-                         global float* nodes, global PendingCluster* pending, global uint* pending_counts) {
+KERNEL void build_pieces(global const ulong* codes, global const float* leaves, global const uint* leaf_count_in,
+                         uint piece_length, global float* nodes, global PendingCluster* pending,
+                         global uint* pending_counts) {
+    const uint leaf_count = *leaf_count_in;
     const uint begin = min((uint)get_group_id(0) * piece_length, leaf_count);
     const uint end = min(begin + piece_length, leaf_count);
     PendingCluster stack[MAX_PENDING];
@@ -68,7 +70,9 @@ KERNEL void build_pieces(global const ulong* codes, global const float* leaves, 
 }
 
 KERNEL void join_pieces(global const PendingCluster* pending, global const uint* pending_counts, uint piece_count,
-                        global const ulong* codes, uint leaf_count, global float* nodes, global uint* root_reference) {
+                        global const ulong* codes, global const uint* leaf_count_in, global float* nodes,
+                        global uint* root_reference) {
+    const uint leaf_count = *leaf_count_in;
     PendingCluster stack[MAX_PENDING];
     uint size = 0;
     PendingCluster next = pending[0];
@@ -91,7 +95,8 @@ KERNEL void join_pieces(global const PendingCluster* pending, global const uint*
 
 #define NOT_REACHED 0xffffffffu
 
-KERNEL void prepare(uint leaf_count, global uint* reached, global float* nodes) {
+KERNEL void prepare(global const uint* leaf_count_in, global uint* reached, global float* nodes) {
+    const uint leaf_count = *leaf_count_in;
     const size_t slot = get_global_id(0);
     if (slot < leaf_count) {
         reached[slot] = NOT_REACHED;
@@ -123,8 +128,9 @@ static inline Box observe_box(global uint* node) {
     return box;
 }
 
-KERNEL void climb(global const ulong* codes, global const float* leaves, uint leaf_count, global uint* reached,
-                  global uint* nodes, global uint* root_reference) {
+KERNEL void climb(global const ulong* codes, global const float* leaves, global const uint* leaf_count_in,
+                  global uint* reached, global uint* nodes, global uint* root_reference) {
+    const uint leaf_count = *leaf_count_in;
     const size_t leaf = get_global_id(0);
     if (leaf >= leaf_count) {
         return;

@@ -1,9 +1,9 @@
 // The initial clusters: boxes of the active primitives in Morton order.
 //
 // gather_leaves
-//   in     boxes [.. * 6], primitive_ids [leaf_count] in Morton order
+//   in     boxes [.. * 6], primitive_ids [leaf_count] in Morton order, leaf_count [1]
 //   out    leaves [leaf_count * 6 + 2]: the two words behind the last box are zero (cluster.clh)
-//   launch groups of WORK_GROUP_SIZE, each on piece_length leaves
+//   launch groups of WORK_GROUP_SIZE, each on piece_length leaves; those beyond the last one are idle
 // number_leaves
 //   out    references [leaf_count]: cluster i is leaf i
 #include "work_group.clh"
@@ -14,22 +14,24 @@
 #define GATHER_AHEAD 16
 #endif
 
-KERNEL void gather_leaves(global const float* boxes, global const uint* primitive_ids, uint leaf_count,
+KERNEL void gather_leaves(global const float* boxes, global const uint* primitive_ids, global const uint* leaf_count_in,
                           uint piece_length, global float* leaves) {
+    const uint leaf_count = *leaf_count_in;
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)leaf_count);
     FOR_WORK_ITEMS(i, begin, end) {
         PREFETCH(boxes + BOX_FLOATS * (size_t)primitive_ids[min(i + GATHER_AHEAD, end - 1)]);
         store_box(leaves + BOX_FLOATS * i, load_box(boxes + BOX_FLOATS * (size_t)primitive_ids[i]));
     }
-    if (end == leaf_count) {
+    if (begin < end && end == leaf_count) {
         FOR_WORK_ITEMS(k, 0, 2) {
             leaves[BOX_FLOATS * (size_t)leaf_count + k] = 0.0f;
         }
     }
 }
 
-KERNEL void number_leaves(uint leaf_count, uint piece_length, global uint* references) {
+KERNEL void number_leaves(global const uint* leaf_count_in, uint piece_length, global uint* references) {
+    const uint leaf_count = *leaf_count_in;
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)leaf_count);
     FOR_WORK_ITEMS(i, begin, end) {

@@ -53,7 +53,8 @@ static inline void write_neighbours(Chunk chunk, uint length, uint chunk_begin, 
 }
 
 KERNEL void search(global const uint* references, uint count, uint piece_length, global const float* leaves,
-                   global const float* inner, uint leaf_count, global uint* neighbours) {
+                   global const float* inner, global const uint* leaf_count_in, global uint* neighbours) {
+    const uint leaf_count = *leaf_count_in;
     DECLARE_CHUNK(chunk);
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)count);
@@ -79,8 +80,9 @@ static inline void merge_pair(uint left, uint right, global uint* references, gl
 }
 
 KERNEL void merge(global uint* references, uint count, uint piece_length, global const uint* neighbours,
-                  global const float* leaves, global float* inner, global float* nodes, uint leaf_count,
-                  global uchar* valid) {
+                  global const float* leaves, global float* inner, global float* nodes,
+                  global const uint* leaf_count_in, global uchar* valid) {
+    const uint leaf_count = *leaf_count_in;
     const size_t begin = get_group_id(0) * (size_t)piece_length;
     const size_t end = min(begin + piece_length, (size_t)count);
 #if LANE_SHAPE

@@ -23,8 +23,9 @@
 #include "range.clh"
 
 KERNEL void search_merge(global const uint* references, uint count, uint chunks_per_group, global const float* leaves,
-                         global float* inner, global float* nodes, uint leaf_count, global uint* marked,
-                         global uint* valid_counts) {
+                         global float* inner, global float* nodes, global const uint* leaf_count_in,
+                         global uint* marked, global uint* valid_counts) {
+    const uint leaf_count = *leaf_count_in;
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
     DECLARE_MERGE(survivor, merging);
@@ -88,7 +89,9 @@ KERNEL void compact(global const uint* marked, uint count, uint chunks_per_group
 }
 
 KERNEL void finish(global uint* references, global uint* other, uint count, global const float* leaves,
-                   global float* inner, global float* nodes, uint leaf_count, global uint* root_reference) {
+                   global float* inner, global float* nodes, global const uint* leaf_count_in,
+                   global uint* root_reference) {
+    const uint leaf_count = *leaf_count_in;
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
     DECLARE_MERGE(survivor, merging);

@@ -26,8 +26,9 @@
 #define MAX_RANGES 256
 #endif
 
-KERNEL void extract_ranges(global const ulong* codes, uint leaf_count, uint range_count, global uint* range_begins,
-                           global uint* range_total) {
+KERNEL void extract_ranges(global const ulong* codes, global const uint* leaf_count_in, uint range_count,
+                           global uint* range_begins, global uint* range_total) {
+    const uint leaf_count = *leaf_count_in;
     local uint begins[MAX_RANGES + 1];
     local uint splits[MAX_RANGES];
     local uint total;
@@ -78,7 +79,8 @@ KERNEL void extract_ranges(global const ulong* codes, uint leaf_count, uint rang
 
 KERNEL void cluster_ranges(global const uint* range_begins, global const uint* range_total, global uint* references,
                            global uint* other, global const float* leaves, global float* inner, global float* nodes,
-                           uint leaf_count, global uint* survivors, global uint* survivor_counts) {
+                           global const uint* leaf_count_in, global uint* survivors, global uint* survivor_counts) {
+    const uint leaf_count = *leaf_count_in;
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
     DECLARE_MERGE(survivor, merging);
@@ -98,7 +100,8 @@ KERNEL void cluster_ranges(global const uint* range_begins, global const uint* r
 
 KERNEL void finish_ranges(global const uint* survivors, global const uint* survivor_counts, global uint* references,
                           global uint* other, global const float* leaves, global float* inner, global float* nodes,
-                          uint leaf_count, global uint* root_reference) {
+                          global const uint* leaf_count_in, global uint* root_reference) {
+    const uint leaf_count = *leaf_count_in;
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
     DECLARE_MERGE(survivor, merging);

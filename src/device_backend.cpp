@@ -39,7 +39,7 @@ public:
     }
 
     BuildStats run() override {
-        return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, buffers_);
+        return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, memory_);
     }
 
     void upload_parts(const Mesh& boxes, const Mesh&) override { upload(boxes, boxes.triangles.size()); }
@@ -68,8 +68,9 @@ private:
         if (leaf_count == 0) return;
         with_opencl_errors("downloading the tree", [&] {
             const cl::CommandQueue& queue = context_.session().queue();
-            queue.enqueueReadBuffer(buffers_.nodes, CL_TRUE, 0, bvh.nodes.size() * sizeof(Node), bvh.nodes.data());
-            queue.enqueueReadBuffer(buffers_.primitive_ids, CL_TRUE, 0, leaf_count * sizeof(std::uint32_t),
+            queue.enqueueReadBuffer(memory_.buffers().nodes, CL_TRUE, 0, bvh.nodes.size() * sizeof(Node),
+                                    bvh.nodes.data());
+            queue.enqueueReadBuffer(memory_.buffers().primitive_ids, CL_TRUE, 0, leaf_count * sizeof(std::uint32_t),
                                     bvh.primitive_ids.data());
         });
     }
@@ -78,7 +79,7 @@ private:
     const BuildOptions& options_;
     Context context_;
     device::BuildSettings settings_;
-    device::BuildBuffers buffers_;
+    device::OwnMemory memory_;
     device::DeviceMesh mesh_;
     Bvh downloaded_;
 };

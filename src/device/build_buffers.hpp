@@ -15,53 +15,104 @@ struct DeviceMesh {
     std::uint32_t active_count = 0;  ///< Primitives without a NaN; the leaves of the tree.
 };
 
-/// Device memory of one build over n primitives. Names that share memory are never alive together:
-///
-///     nodes      64 n   primitive boxes (24 n) until the leaves are gathered, then the tree
-///     inner      32 n   sort pairs (2 x 8 n) and code halves (2 x 4 n) until the sort ends, then inner clusters
-///     references  8 n   the sorted codes until the ranges are cut (lbvh: to the end), then two reference arrays
-///     leaves     24 n   boxes in Morton order
-///     ids         4 n   primitive ids in Morton order
-///
-/// 132 bytes a primitive with the finished tree, beside what a builder adds in `extra` and small change.
-struct BuildBuffers {
-    cl::Buffer nodes, primitive_ids, leaves, inner, references, small, extra;
-
-    // Views, cut out of the buffers above.
-    cl::Buffer boxes;                       ///< float [n * 6], in nodes
-    cl::Buffer pairs_a, pairs_b;            ///< uint2 [n], in inner
-    cl::Buffer code_low, code_high;         ///< uint [n], in inner
-    cl::Buffer codes;                       ///< ulong [n], all of references
-    cl::Buffer references_a, references_b;  ///< uint [n], in references
-    cl::Buffer bounds;                      ///< float [12], in small
-    cl::Buffer partial_bounds;              ///< float [12 * kMostPieces], in small
-    cl::Buffer counts;                      ///< uint [256 * pieces of the sort, at least kMostPieces], in small
-    cl::Buffer morton_tables;               ///< ulong [4096] in small
-    cl::Buffer morton_parameters;           ///< float [16], in small
-    cl::Buffer root_reference;              ///< uint, in small
-    cl::Buffer remaining;                   ///< uint, in small
-
-    std::uint64_t bytes = 0;  ///< What a build over n needs, whatever more is kept from a larger one.
-
-    /// Most pieces that any stage is cut into.
-    static constexpr std::uint32_t kMostPieces = 1024;
-
-    /// Makes room for `primitives` (at least 1) and `extra_bytes` more. Memory only grows; all or nothing. The settings
-    /// are the same in every call. Throws Error(unsupported) where a buffer would exceed the device's largest
-    /// allocation, Error(out_of_memory) where the device has no more.
-    void reserve(Session& session, const BuildSettings& settings, std::uint32_t primitives, std::uint64_t extra_bytes);
-
-private:
-    std::uint64_t capacity_ = 0;
-    std::uint64_t extra_capacity_ = 0;
+/// A buffer, or the part of one that begins at `offset`.
+struct Block {
+    cl::Buffer buffer;
+    std::uint64_t offset = 0;
 };
 
-/// Part of `parent` as a buffer of its own. `offset` is a multiple of the device's alignment (see align_for_views).
-[[nodiscard]] cl::Buffer view_of(const cl::Buffer& parent, std::uint64_t offset, std::uint64_t bytes);
+/// Part of `block` as a buffer of its own. `offset` is a multiple of the device's alignment (see align_for_views).
+[[nodiscard]] cl::Buffer view_of(const Block& block, std::uint64_t offset, std::uint64_t bytes);
 
 /// `bytes` rounded up so that the next view may begin there.
 [[nodiscard]] constexpr std::uint64_t align_for_views(std::uint64_t bytes) {
     return (bytes + 4095) / 4096 * 4096;
 }
+
+/// In what order a clustering reads the primitives' boxes.
+enum class BoxOrder : std::uint8_t {
+    morton,  ///< A sorted copy, `leaves`, is made for it.
+    input,   ///< It looks them up itself through `primitive_ids`.
+};
+
+/// Bytes of each block of a build over n primitives. Names that share memory are never alive together:
+///
+///     nodes       64 n   until the tree is written, BoxOrder::morton: the primitives' boxes (24 n); input: the sort
+///     ids          4 n   primitive ids in Morton order
+///     leaves      24 n   morton: boxes in Morton order; input: the primitives' boxes
+///     inner       32 n   morton: the sort, then inner clusters; input: nothing, unless n is so small that the sort
+///                        does not fit into the nodes
+///     references   8 n   the sorted codes; morton: until the ranges are cut, then two reference arrays
+///
+/// The sort takes 24 n: two arrays of pairs and the halves of the codes. With the finished tree that is 132 or 100
+/// bytes a primitive, beside what a builder adds in `extra` and small change.
+struct MemoryPlan {
+    BoxOrder box_order = BoxOrder::morton;
+    std::uint64_t primitives = 0;
+    std::uint64_t most_sort_pieces = 0;
+    std::uint64_t nodes = 0, primitive_ids = 0;                                 ///< the result
+    std::uint64_t leaves = 0, inner = 0, references = 0, small = 0, extra = 0;  ///< scratch
+
+    [[nodiscard]] bool operator==(const MemoryPlan&) const noexcept = default;
+    /// What a build needs, the finished tree included.
+    [[nodiscard]] std::uint64_t bytes() const noexcept {
+        return nodes + primitive_ids + leaves + inner + references + small + extra;
+    }
+};
+
+[[nodiscard]] MemoryPlan plan_memory(const BuildSettings& settings, BoxOrder box_order, std::uint32_t primitives,
+                                     std::uint64_t extra_bytes);
+
+/// The blocks of one build.
+struct BuildMemory {
+    Block nodes, primitive_ids, leaves, inner, references, small, extra;
+};
+
+/// Device memory of one build, as the kernels see it.
+struct BuildBuffers {
+    cl::Buffer nodes;                       ///< Node [2 * n]
+    cl::Buffer primitive_ids;               ///< uint [n]
+    cl::Buffer leaves;                      ///< float [n * 6 + 2], BoxOrder::morton only
+    cl::Buffer inner;                       ///< float [n * 8], BoxOrder::morton only
+    cl::Buffer boxes;                       ///< float [n * 6 + 2], by primitive
+    cl::Buffer pairs_a, pairs_b;            ///< uint2 [n]
+    cl::Buffer code_low, code_high;         ///< uint [n]
+    cl::Buffer codes;                       ///< ulong [n]
+    cl::Buffer references_a, references_b;  ///< uint [n], BoxOrder::morton only
+    cl::Buffer bounds;                      ///< float [12], in small, like all that follow
+    cl::Buffer partial_bounds;              ///< float [12 * kMostPieces]
+    cl::Buffer partial_counts;              ///< uint [kMostPieces]
+    cl::Buffer counts;                      ///< uint [256 * pieces of the sort, at least kMostPieces]
+    cl::Buffer morton_tables;               ///< ulong [4096]
+    cl::Buffer morton_parameters;           ///< float [16]
+    cl::Buffer leaf_count;                  ///< uint: active primitives
+    cl::Buffer root_reference;              ///< uint
+    cl::Buffer remaining;                   ///< uint
+    Block extra;                            ///< what DeviceAlgorithm::extra_bytes asked for
+
+    /// Most pieces that any stage is cut into.
+    static constexpr std::uint32_t kMostPieces = 1024;
+};
+
+/// Cuts the blocks, each as large as `plan` says or larger, into the views of a build.
+[[nodiscard]] BuildBuffers cut_views(const BuildMemory& memory, const MemoryPlan& plan);
+
+/// Memory that stays for the next build.
+class OwnMemory {
+public:
+    /// Makes room for `plan`; does nothing where it is the last one again. Memory only grows; all or nothing. Throws
+    /// Error(unsupported) where a block would exceed the device's largest allocation, Error(out_of_memory) where the
+    /// device has no more.
+    void reserve(Session& session, const MemoryPlan& plan);
+    /// The views of the last plan.
+    [[nodiscard]] const BuildBuffers& buffers() const noexcept { return buffers_; }
+    [[nodiscard]] const BuildMemory& memory() const noexcept { return memory_; }
+
+private:
+    BuildMemory memory_;
+    MemoryPlan capacity_;
+    MemoryPlan plan_;  // of buffers_
+    BuildBuffers buffers_;
+};
 
 }  // namespace clbvh::device

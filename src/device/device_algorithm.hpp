@@ -5,14 +5,15 @@
 
 namespace clbvh::device {
 
-/// What a clustering finds, and what it leaves: buffers.leaves holds `leaf_count` (at least 1) boxes in Morton order
-/// and buffers.codes their codes; afterwards buffers.nodes holds every sibling pair, and buffers.root_reference the
-/// root.
+/// What a clustering finds, and what it leaves: buffers.leaf_count says how many leaves there are,
+/// buffers.primitive_ids and buffers.codes name them in Morton order, and their boxes are in buffers.leaves (in that
+/// order) or buffers.boxes (by primitive), as DeviceAlgorithm::box_order asks. Afterwards buffers.nodes holds every
+/// sibling pair, and buffers.root_reference the root.
 struct ClusterJob {
     Launcher& launcher;
     const BuildSettings& settings;
     const BuildBuffers& buffers;
-    std::uint32_t leaf_count;
+    std::uint32_t leaf_count;  ///< what buffers.leaf_count holds, at least 1; launches are sized by it
 };
 
 /// What makes one device builder different from the next.
@@ -20,12 +21,20 @@ struct DeviceAlgorithm {
     void (*cluster)(const ClusterJob& job);
     /// Device memory beside what every build uses.
     std::uint64_t (*extra_bytes)(const BuildSettings& settings, std::uint32_t primitives);
+    BoxOrder box_order = BoxOrder::morton;
 };
 
 extern const DeviceAlgorithm kPloc;
 extern const DeviceAlgorithm kPlocpp;
 extern const DeviceAlgorithm kPlocppTwoLevel;
 extern const DeviceAlgorithm kLbvh;
+
+/// Bytes that a round of clustering has to move: every cluster's reference and record are read, `array_bytes` more pass
+/// through arrays of its own; a merge writes a record and a sibling pair.
+[[nodiscard]] constexpr std::uint64_t round_bytes(std::uint64_t clusters, std::uint64_t merges,
+                                                  std::uint64_t array_bytes) {
+    return (4 + 32 + array_bytes) * clusters + (32 + 64) * merges;
+}
 
 /// The part of a build that is done when `clusters` of `leaf_count` are left.
 [[nodiscard]] constexpr double cluster_fraction(std::uint32_t clusters, std::uint32_t leaf_count) {

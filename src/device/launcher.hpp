@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <concepts>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -26,7 +27,9 @@ public:
 
     /// Enqueues `groups` work groups of `kernel` with `arguments` (buffers and integers) in order.
     template <class... Arguments>
-    void launch(Kernel& kernel, std::size_t groups, const Arguments&... arguments) {
+    requires((std::same_as<Arguments, cl::Buffer> ||
+              std::integral<Arguments>)&&...) void launch(Kernel& kernel, std::size_t groups,
+                                                          const Arguments&... arguments) {
         cl_uint index = 0;
         with_opencl_errors("kernel " + kernel.name, [&] { (kernel.kernel.setArg(index++, arguments), ...); });
         enqueue(kernel, groups);
@@ -34,6 +37,9 @@ public:
 
     /// Waits for all that was enqueued and copies one number from the device.
     [[nodiscard]] std::uint32_t read_uint(const cl::Buffer& buffer);
+
+    /// Books `bytes` that the stage's kernels have to read or write.
+    void count_bytes(std::uint64_t bytes) { stats_.stages.back().bytes_moved += bytes; }
 
     /// Books one round of clustering on `clusters` clusters.
     void count_iteration(std::uint32_t clusters);

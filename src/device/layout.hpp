@@ -6,7 +6,6 @@
 namespace clbvh::device {
 
 /// The root into buffers.nodes, whose sibling pairs stand already. One launch.
-void launch_layout(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers,
-                   std::uint32_t leaf_count);
+void launch_layout(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers, BoxOrder box_order);
 
 }  // namespace clbvh::device

@@ -27,8 +27,8 @@ void climb(const ClusterJob& job) {
     const auto kernel = [&](std::string_view name) -> Kernel& {
         return launcher.session().kernel("lbvh.cl", name, group_size, "");
     };
-    launcher.launch(kernel("prepare"), groups, job.leaf_count, b.inner, b.nodes);
-    launcher.launch(kernel("climb"), groups, b.codes, b.leaves, job.leaf_count, b.inner, b.nodes, b.root_reference);
+    launcher.launch(kernel("prepare"), groups, b.leaf_count, b.inner, b.nodes);
+    launcher.launch(kernel("climb"), groups, b.codes, b.leaves, b.leaf_count, b.inner, b.nodes, b.root_reference);
 }
 
 void build_pieces(const ClusterJob& job) {
@@ -36,13 +36,16 @@ void build_pieces(const ClusterJob& job) {
     Session& session = launcher.session();
     const BuildBuffers& b = job.buffers;
     const Pieces pieces = cut_into_pieces(job.leaf_count, most_pieces(job.settings), kLeastPieceLength);
-    launcher.launch(session.kernel("lbvh.cl", "build_pieces", 1, ""), pieces.count, b.codes, b.leaves, job.leaf_count,
-                    pieces.length, b.nodes, b.extra, b.counts);
-    launcher.launch(session.kernel("lbvh.cl", "join_pieces", 1, ""), 1, b.extra, b.counts, pieces.count, b.codes,
-                    job.leaf_count, b.nodes, b.root_reference);
+    const cl::Buffer pending = view_of(b.extra, 0, extra_bytes(job.settings, job.leaf_count));
+    launcher.launch(session.kernel("lbvh.cl", "build_pieces", 1, ""), pieces.count, b.codes, b.leaves, b.leaf_count,
+                    pieces.length, b.nodes, pending, b.counts);
+    launcher.launch(session.kernel("lbvh.cl", "join_pieces", 1, ""), 1, pending, b.counts, pieces.count, b.codes,
+                    b.leaf_count, b.nodes, b.root_reference);
 }
 
 void cluster(const ClusterJob& job) {
+    // A code and a box are read, a sibling pair is written.
+    job.launcher.count_bytes((8 + 24 + 64) * std::uint64_t{job.leaf_count});
     if (job.settings.lane()) {
         build_pieces(job);
     } else {

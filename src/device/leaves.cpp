@@ -6,15 +6,17 @@ void launch_leaves(Launcher& launcher, const BuildSettings& settings, const Buil
                    std::uint32_t leaf_count) {
     Kernel& gather = launcher.session().kernel("leaves.cl", "gather_leaves", settings.stream_group_size, "");
     const Pieces pieces = settings.stream_pieces(leaf_count);
-    launcher.launch(gather, pieces.count, buffers.boxes, buffers.primitive_ids, leaf_count, pieces.length,
+    launcher.launch(gather, pieces.count, buffers.boxes, buffers.primitive_ids, buffers.leaf_count, pieces.length,
                     buffers.leaves);
+    launcher.count_bytes((4 + 24 + 24) * std::uint64_t{leaf_count});
 }
 
 void launch_number_leaves(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers,
                           std::uint32_t leaf_count) {
     Kernel& number = launcher.session().kernel("leaves.cl", "number_leaves", settings.stream_group_size, "");
     const Pieces pieces = settings.stream_pieces(leaf_count);
-    launcher.launch(number, pieces.count, leaf_count, pieces.length, buffers.references_a);
+    launcher.launch(number, pieces.count, buffers.leaf_count, pieces.length, buffers.references_a);
+    launcher.count_bytes(4 * std::uint64_t{leaf_count});
 }
 
 }  // namespace clbvh::device

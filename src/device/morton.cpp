@@ -8,6 +8,8 @@ void launch_morton(Launcher& launcher, const BuildSettings& settings, const Buil
     const auto kernel = [&](std::string_view name) -> Kernel& {
         return session.kernel("morton.cl", name, settings.stream_group_size, "");
     };
+    // A box is read; a pair and both halves of the code are written.
+    launcher.count_bytes((24 + 8 + 8) * std::uint64_t{primitive_count});
     const Pieces pieces = settings.stream_pieces(primitive_count);
     if (settings.morton_code == MortonCode::xyz) {
         launcher.launch(kernel("morton_xyz"), pieces.count, b.boxes, b.bounds, primitive_count, pieces.length,

@@ -40,14 +40,19 @@ void cluster(const ClusterJob& job) {
         launcher.report(cluster_fraction(count, job.leaf_count));
         launcher.count_iteration(count);
         const Pieces pieces = cut_into_pieces(count, groups, chunk);
-        launcher.launch(search, pieces.count, *references, count, pieces.length, b.leaves, b.inner, job.leaf_count,
+        launcher.launch(search, pieces.count, *references, count, pieces.length, b.leaves, b.inner, b.leaf_count,
                         neighbours);
         launcher.launch(merge, pieces.count, *references, count, pieces.length, neighbours, b.leaves, b.inner, b.nodes,
-                        job.leaf_count, valid);
+                        b.leaf_count, valid);
         launcher.launch(count_valid, pieces.count, valid, count, pieces.length, b.counts);
         launcher.launch(scan_counts, 1, b.counts, pieces.count, b.remaining);
         launcher.launch(compact, pieces.count, *references, valid, count, pieces.length, b.counts, *compacted);
-        count = launcher.read_uint(b.remaining);
+        const std::uint32_t remaining = launcher.read_uint(b.remaining);
+        // Neighbours are written and read, flags written and read twice; what is left is compacted; a merge gathers two
+        // records.
+        launcher.count_bytes(round_bytes(count, count - remaining, 4 + 4 + 3 + 4) + 4 * std::uint64_t{remaining} +
+                             2 * 36 * std::uint64_t{count - remaining});
+        count = remaining;
         std::swap(references, compacted);
     }
     launcher.session().queue().enqueueCopyBuffer(*references, b.root_reference, 0, 0, sizeof(cl_uint));

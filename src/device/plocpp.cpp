@@ -32,14 +32,18 @@ void cluster(const ClusterJob& job) {
             const Pieces pieces = cut_into_pieces(count, groups, chunk);
             const std::uint32_t chunks_per_group = pieces.length / chunk;
             launcher.launch(search_merge, pieces.count, b.references_a, count, chunks_per_group, b.leaves, b.inner,
-                            b.nodes, job.leaf_count, b.references_b, b.counts);
+                            b.nodes, b.leaf_count, b.references_b, b.counts);
             launcher.launch(compact, pieces.count, b.references_b, count, chunks_per_group, b.counts, b.references_a,
                             b.remaining);
-            count = launcher.read_uint(b.remaining);
+            const std::uint32_t remaining = launcher.read_uint(b.remaining);
+            // What stands after the merges is written, read and compacted.
+            launcher.count_bytes(round_bytes(count, count - remaining, 4 + 4) + 4 * std::uint64_t{remaining});
+            count = remaining;
         }
     }
+    launcher.count_bytes(round_bytes(count, count - 1, 0));  // at least: the rounds are the kernel's own
     launcher.launch(kernel("finish"), 1, b.references_a, b.references_b, count, b.leaves, b.inner, b.nodes,
-                    job.leaf_count, b.root_reference);
+                    b.leaf_count, b.root_reference);
 }
 
 }  // namespace

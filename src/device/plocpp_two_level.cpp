@@ -43,12 +43,14 @@ void cluster(const ClusterJob& job) {
     const cl::Buffer survivors = view_of(b.extra, views.survivors_at, views.survivors_bytes);
     const cl::Buffer survivor_counts = view_of(b.extra, views.counts_at, 4 * std::uint64_t{most});
     // The codes share memory with the references, so the ranges are cut before the leaves are numbered.
-    launcher.launch(kernel("extract_ranges"), 1, b.codes, job.leaf_count, job.settings.range_count, begins, total);
+    launcher.launch(kernel("extract_ranges"), 1, b.codes, b.leaf_count, job.settings.range_count, begins, total);
     launch_number_leaves(launcher, job.settings, b, job.leaf_count);
     launcher.launch(kernel("cluster_ranges"), most, begins, total, b.references_a, b.references_b, b.leaves, b.inner,
-                    b.nodes, job.leaf_count, survivors, survivor_counts);
+                    b.nodes, b.leaf_count, survivors, survivor_counts);
+    launcher.count_bytes(
+        round_bytes(job.leaf_count, job.leaf_count - 1, 0));  // at least: the rounds are the kernels' own
     launcher.launch(kernel("finish_ranges"), 1, survivors, survivor_counts, b.references_a, b.references_b, b.leaves,
-                    b.inner, b.nodes, job.leaf_count, b.root_reference);
+                    b.inner, b.nodes, b.leaf_count, b.root_reference);
 }
 
 }  // namespace

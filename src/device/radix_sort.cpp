@@ -39,6 +39,11 @@ void launch_radix_sort(Launcher& launcher, const BuildSettings& settings, const 
             launcher.launch(kernel("scatter"), pieces.count, *from, primitive_count, pieces.length, shift, b.counts,
                             *to);
         }
+        // Pairs are read twice and written once; the last pass of a block looks up a half of the code, the very last
+        // writes the whole code beside the primitive.
+        const std::uint64_t looked_up = pass % kPassesPerBlock == kPassesPerBlock - 1 ? 4 : 0;
+        const std::uint64_t written = pass == 2 * kPassesPerBlock - 1 ? 12 : 8;
+        launcher.count_bytes((8 + 8 + looked_up + written) * std::uint64_t{primitive_count});
         std::swap(from, to);
     }
 }

@@ -20,13 +20,17 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 struct BoundsResult {
     std::vector<Aabb> boxes;
     SceneBounds scene;
+    std::uint32_t leaf_count;
 };
 
 BoundsResult run_bounds(const Mesh& mesh, const device::BuildSettings& settings) {
     StageBench bench(settings, mesh.triangles.size());
+    write(bench.buffers.leaf_count, std::vector<std::uint32_t>{12345});
     device::launch_bounds(bench.launcher, bench.settings, bench.buffers, upload_mesh(bench.session, mesh));
     const std::vector<Aabb> scene = read<Aabb>(bench.buffers.bounds, 2);
-    return {read<Aabb>(bench.buffers.boxes, mesh.triangles.size()), {scene[0], scene[1]}};
+    return {read<Aabb>(bench.buffers.boxes, mesh.triangles.size()),
+            {scene[0], scene[1]},
+            read<std::uint32_t>(bench.buffers.leaf_count, 1)[0]};
 }
 
 bool is_all_nan(const Aabb& box) {
@@ -53,6 +57,7 @@ void expect_host_bounds(const Mesh& mesh, const device::BuildSettings& settings)
                                    << " active");
     const BoundsResult result = run_bounds(mesh, settings);
     CHECK(first_wrong_box(result.boxes, active) == result.boxes.size());
+    CHECK(result.leaf_count == active.ids.size());
     CHECK(is_same_bits(result.scene.primitives, expected.primitives));
     CHECK(is_same_bits(result.scene.doubled_centroids, expected.doubled_centroids));
 }

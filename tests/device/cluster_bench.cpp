@@ -16,8 +16,15 @@ namespace {
 /// Puts the leaves and codes of `order` in place, with no node written.
 void prepare(StageBench& bench, const MortonOrder& order) {
     fill_bytes(bench.buffers.nodes, 0xff);
-    write(bench.buffers.leaves, order.bounds);
     write(bench.buffers.codes, order.codes);
+    if (bench.buffers.leaves() != nullptr) {
+        write(bench.buffers.leaves, order.bounds);
+        return;
+    }
+    std::vector<std::uint32_t> ids(order.bounds.size());
+    std::iota(ids.begin(), ids.end(), 0u);
+    write(bench.buffers.primitive_ids, ids);
+    write(bench.buffers.boxes, order.bounds);
 }
 
 void cluster(StageBench& bench, const device::DeviceAlgorithm& algorithm, std::size_t leaf_count) {

@@ -44,7 +44,7 @@ TEST_CASE("memory: buffers below and above a huge page have their size and keep 
 
 TEST_CASE("memory: a view keeps the buffer that it was cut from") {
     cl::Buffer buffer = device::allocate_buffer(session(), 8 * kMiB);
-    const cl::Buffer view = device::view_of(buffer, 4096, 4096);
+    const cl::Buffer view = device::view_of({buffer}, 4096, 4096);
     write(view, std::vector<std::uint32_t>(1024, 42));
     buffer = {};
     CHECK(read<std::uint32_t>(view, 1024) == std::vector<std::uint32_t>(1024, 42));
@@ -59,7 +59,7 @@ TEST_CASE("memory: released buffers give their memory back, those with views too
     const std::uint64_t before = virtual_bytes();
     for (int i = 0; i < 40; ++i) {
         const cl::Buffer buffer = device::allocate_buffer(session(), 256 * kMiB);
-        const cl::Buffer view = device::view_of(buffer, 0, kMiB);
+        const cl::Buffer view = device::view_of({buffer}, 0, kMiB);
         write(view, std::vector<std::uint32_t>{1});
     }
     CHECK(virtual_bytes() < before + 1024 * kMiB);

@@ -29,9 +29,16 @@ cl::Buffer numbers(Session& on) {
     return {on.context(), CL_MEM_READ_WRITE, kCount * sizeof(std::uint32_t)};
 }
 
+/// kCount in device memory.
+cl::Buffer leaf_count(Session& on) {
+    std::uint32_t count = kCount;
+    return {on.context(), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof(count), &count};
+}
+
 /// Launches a kernel that writes 0, 1, 2 ... with this many groups.
 void launch_numbering(Launcher& launcher, const cl::Buffer& out, std::uint32_t groups) {
-    launcher.launch(number_leaves(launcher.session()), groups, kCount, (kCount + groups - 1) / groups, out);
+    launcher.launch(number_leaves(launcher.session()), groups, leaf_count(launcher.session()),
+                    (kCount + groups - 1) / groups, out);
 }
 
 /// A progress callback that keeps what it hears and says no after some calls.
@@ -99,7 +106,7 @@ TEST_CASE("launcher: a number is read when all before it is done") {
     launcher.begin_stage("only", 0.0);
     const cl::Buffer out = numbers(session());
     launch_numbering(launcher, out, 1);
-    const cl::Buffer last = device::view_of(out, 0, 4);
+    const cl::Buffer last = device::view_of({out}, 0, 4);
     CHECK(launcher.read_uint(last) == 0);
     write(out, std::vector<std::uint32_t>{77});
     CHECK(launcher.read_uint(out) == 77);
@@ -157,8 +164,8 @@ TEST_CASE("launcher: arguments that do not fit the kernel are an error that name
     launcher.begin_stage("only", 0.0);
     const cl::Buffer out = numbers(session());
     expect_error(ErrorCode::device_failure, {"kernel number_leaves"},
-                 [&] { launcher.launch(number_leaves(session()), 1, kCount, kCount, out, out); });
+                 [&] { launcher.launch(number_leaves(session()), 1, out, kCount, out, out); });
     expect_error(ErrorCode::device_failure, {"kernel number_leaves"},
-                 [&] { launcher.launch(number_leaves(session()), 1, kCount, std::uint64_t{kCount}, out); });
+                 [&] { launcher.launch(number_leaves(session()), 1, out, std::uint64_t{kCount}, out); });
     CHECK(launcher.finish().launches == 0);
 }

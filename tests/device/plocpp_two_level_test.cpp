@@ -31,8 +31,7 @@ RangeBegins run_extract_ranges(const BuildOptions& options, const std::vector<st
         bench.session.kernel("plocpp_two_level.cl", "extract_ranges", bench.settings.cluster_group_size, defines);
     const cl::Buffer begins(bench.session.context(), CL_MEM_READ_WRITE, sizeof(cl_uint) * (most + 1));
     const cl::Buffer total(bench.session.context(), CL_MEM_READ_WRITE, sizeof(cl_uint));
-    bench.launcher.launch(kernel, 1, bench.buffers.codes, static_cast<std::uint32_t>(codes.size()), options.range_count,
-                          begins, total);
+    bench.launcher.launch(kernel, 1, bench.buffers.codes, bench.buffers.leaf_count, options.range_count, begins, total);
     const std::uint32_t count = bench.launcher.read_uint(total);
     REQUIRE(count <= most);
     return read<std::uint32_t>(begins, count + 1);

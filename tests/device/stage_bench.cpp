@@ -42,10 +42,14 @@ StageBench::StageBench(const device::BuildSettings& build_settings, std::size_t 
                        const device::DeviceAlgorithm* algorithm, ProgressCallback progress_callback)
     : session(shared_context().session()),
       settings(build_settings),
+      buffers(memory.buffers()),
       progress(std::move(progress_callback)),
       launcher(session, progress) {
     const auto count = static_cast<std::uint32_t>(primitives);
-    buffers.reserve(session, settings, count, algorithm != nullptr ? algorithm->extra_bytes(settings, count) : 0);
+    const device::BoxOrder box_order = algorithm != nullptr ? algorithm->box_order : device::BoxOrder::morton;
+    const std::uint64_t extra_bytes = algorithm != nullptr ? algorithm->extra_bytes(settings, count) : 0;
+    memory.reserve(session, device::plan_memory(settings, box_order, count, extra_bytes));
+    write(buffers.leaf_count, std::vector<std::uint32_t>{count});
     launcher.begin_stage("test", 0.0);
 }
 

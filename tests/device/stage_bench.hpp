@@ -23,14 +23,15 @@ inline constexpr std::array kBothShapes{Shape::group, Shape::lane};
 /// What one stage needs to run by itself: settings, memory for some primitives, and a launcher in a stage "test".
 /// Runs on the context that all tests share.
 struct StageBench {
-    /// `algorithm` is the one whose memory is reserved beside what every build uses.
+    /// `algorithm` is the one whose memory is laid out and reserved; without one, that of builders over sorted boxes.
     StageBench(const device::BuildSettings& settings, std::size_t primitives,
                const device::DeviceAlgorithm* algorithm = nullptr, ProgressCallback progress = {});
     StageBench(const BuildOptions& options, std::size_t primitives);
 
     device::Session& session;
     device::BuildSettings settings;
-    device::BuildBuffers buffers;
+    device::OwnMemory memory;
+    const device::BuildBuffers& buffers;  ///< leaf_count holds the primitives
     ProgressCallback progress;
     device::Launcher launcher;
 };
