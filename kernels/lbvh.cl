@@ -19,49 +19,69 @@
 
 #if LANE_SHAPE
 
+// How far ahead of its use a box is fetched.
+#ifndef GATHER_AHEAD
+#define GATHER_AHEAD 16
+#endif
+#define STREAM_AHEAD 128
+
 // Between the pending clusters of a piece no border is deeper than both its neighbours (it would have been merged), so
 // their levels rise, then fall: at most two runs of 64 + 32 different levels.
 #define MAX_PENDING 196
 
+// A cluster as its node in the array (node.clh), its smallest position, and the level of the border before that.
 typedef struct {
-    Box box;
-    uint reference;
+    float8 node;
     uint first;
-} PendingCluster;
+    int level;
+} Cluster;
 
-// Puts `cluster` on the stack of neighbouring clusters, then merges at the top while the border between the two is the
-// deepest around. `end` is the position behind the cluster. Returns the stack's new size.
-static inline uint push_cluster(PendingCluster* stack, uint size, PendingCluster cluster, uint end,
-                                global const ulong* codes, global float* nodes, uint leaf_count) {
-    const int right_level = border_level(codes, end, leaf_count);
-    while (size > 0) {
-        const PendingCluster left = stack[size - 1];
-        const int level = border_level(codes, cluster.first, leaf_count);
-        if (level > right_level || level > border_level(codes, left.first, leaf_count)) {
-            break;
-        }
-        const uint slot = cluster.first;
-        write_sibling_pair(nodes, slot, left.box, left.reference, cluster.box, cluster.reference, leaf_count);
-        cluster.box = merge_boxes(left.box, cluster.box);
-        cluster.reference = leaf_count + slot;
+static inline Cluster load_leaf(global const float* boxes, uint id, uint position, int level) {
+    global const float* box = boxes + BOX_FLOATS * (size_t)id;
+    const float4 lower = vload4(0, box);
+    const float4 upper = vload4(0, box + 2);
+    const Cluster leaf = {(float8)(lower.s012, as_float(position), upper.s123, as_float(1u)), position, level};
+    return leaf;
+}
+
+static inline float8 merge_nodes(float8 a, float8 b, uint slot) {
+    const float8 lower = MIN_OF(a, b);
+    const float8 upper = MAX_OF(a, b);
+    return (float8)(lower.s012, as_float(2 * slot), upper.s456, as_float(0u));
+}
+
+// Puts `cluster` on the stack of neighbouring clusters, having merged it with those at the top as long as the border
+// between the two is the deepest around. `right_level` is that of the border behind the cluster. Returns the stack's
+// new size.
+static inline uint push_cluster(Cluster* stack, uint size, Cluster cluster, int right_level, global float* nodes) {
+    while (size > 0 && cluster.level <= right_level && cluster.level <= stack[size - 1].level) {
+        const Cluster left = stack[size - 1];
+        STREAM_STORE16((float16)(left.node, cluster.node), cluster.first, nodes);
+        cluster.node = merge_nodes(left.node, cluster.node, cluster.first);
         cluster.first = left.first;
+        cluster.level = left.level;
         --size;
     }
     stack[size] = cluster;
     return size + 1;
 }
 
-KERNEL void build_pieces(global const ulong* codes, global const float* leaves, global const uint* leaf_count_in,
-                         uint piece_length, global float* nodes, global PendingCluster* pending,
-                         global uint* pending_counts) {
+KERNEL void build_pieces(global const ulong* codes, global const uint* primitive_ids, global const float* boxes,
+                         global const uint* leaf_count_in, uint piece_length, global float* nodes,
+                         global Cluster* pending, global uint* pending_counts) {
     const uint leaf_count = *leaf_count_in;
     const uint begin = min((uint)get_group_id(0) * piece_length, leaf_count);
     const uint end = min(begin + piece_length, leaf_count);
-    PendingCluster stack[MAX_PENDING];
+    Cluster stack[MAX_PENDING];
     uint size = 0;
+    int level = border_level(codes, begin, leaf_count);
     for (uint i = begin; i < end; ++i) {
-        const PendingCluster leaf = {load_box(leaves + BOX_FLOATS * (size_t)i), i, i};
-        size = push_cluster(stack, size, leaf, i + 1, codes, nodes, leaf_count);
+        PREFETCH(codes + i + STREAM_AHEAD);
+        PREFETCH(primitive_ids + i + STREAM_AHEAD);
+        PREFETCH(boxes + BOX_FLOATS * (size_t)primitive_ids[min(i + GATHER_AHEAD, end - 1)]);
+        const int right_level = border_level(codes, i + 1, leaf_count);
+        size = push_cluster(stack, size, load_leaf(boxes, primitive_ids[i], i, level), right_level, nodes);
+        level = right_level;
     }
     for (uint k = 0; k < size; ++k) {
         pending[get_group_id(0) * MAX_PENDING + k] = stack[k];
@@ -69,26 +89,25 @@ KERNEL void build_pieces(global const ulong* codes, global const float* leaves, 
     pending_counts[get_group_id(0)] = size;
 }
 
-KERNEL void join_pieces(global const PendingCluster* pending, global const uint* pending_counts, uint piece_count,
-                        global const ulong* codes, global const uint* leaf_count_in, global float* nodes,
-                        global uint* root_reference) {
+KERNEL void join_pieces(global const Cluster* pending, global const uint* pending_counts, uint piece_count,
+                        global const uint* leaf_count_in, global float* nodes, global uint* root_reference) {
     const uint leaf_count = *leaf_count_in;
-    PendingCluster stack[MAX_PENDING];
+    Cluster stack[MAX_PENDING];
     uint size = 0;
-    PendingCluster next = pending[0];
+    Cluster next = pending[0];
     int first_one = 1;
     for (uint piece = 0; piece < piece_count; ++piece) {
         for (uint k = 0; k < pending_counts[piece]; ++k) {
-            const PendingCluster following = pending[piece * MAX_PENDING + k];
+            const Cluster following = pending[piece * MAX_PENDING + k];
             if (!first_one) {
-                size = push_cluster(stack, size, next, following.first, codes, nodes, leaf_count);
+                size = push_cluster(stack, size, next, following.level, nodes);
             }
             next = following;
             first_one = 0;
         }
     }
-    size = push_cluster(stack, size, next, leaf_count, codes, nodes, leaf_count);
-    *root_reference = stack[0].reference;
+    push_cluster(stack, size, next, OUTER_LEVEL, nodes);
+    *root_reference = leaf_count == 1 ? 0 : leaf_count + as_uint(stack[0].node.s3) / 2;
 }
 
 #else
@@ -128,14 +147,15 @@ static inline Box observe_box(global uint* node) {
     return box;
 }
 
-KERNEL void climb(global const ulong* codes, global const float* leaves, global const uint* leaf_count_in,
-                  global uint* reached, global uint* nodes, global uint* root_reference) {
+KERNEL void climb(global const ulong* codes, global const uint* primitive_ids, global const float* boxes,
+                  global const uint* leaf_count_in, global uint* reached, global uint* nodes,
+                  global uint* root_reference) {
     const uint leaf_count = *leaf_count_in;
     const size_t leaf = get_global_id(0);
     if (leaf >= leaf_count) {
         return;
     }
-    Box box = load_box(leaves + BOX_FLOATS * leaf);
+    Box box = load_box(boxes + BOX_FLOATS * (size_t)primitive_ids[leaf]);
     uint reference = (uint)leaf;
     uint begin = (uint)leaf;
     uint end = begin + 1;

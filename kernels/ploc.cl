@@ -1,13 +1,16 @@
 // PLOC, the baseline: five kernels an iteration (Meister, Bittner 2018; as described in Benthin et al. 2022, section
 // 3).
 //
+// How many clusters there are, the count below, is in device memory (iteration.clh). An iteration that finds only one
+// moves it to the other buffer of references.
+//
 // search       nearest neighbour of each cluster over [i - SEARCH_RADIUS, i + SEARCH_RADIUS], exact distances
 //   in  references [count], leaves, inner (cluster.clh)   out  neighbours [count]: positions
 // merge        mutual pairs become inner nodes in place of their first cluster
 //   inout references, inner, nodes   in neighbours   out valid [count]: 0 where a cluster ended
 // count_valid, scan_counts, compact: the prefix sum over `valid`, in three kernels
-//   in references, valid   out compacted, remaining [1]
-//   launch all but scan_counts: the same number of groups, each on piece_length clusters (a multiple of CHUNK)
+//   in references, valid   out compacted, the count after the iteration; root_reference [1]: the first of compacted
+//   launch all but scan_counts: the same number of groups, any number
 //
 // local  about 9 * WORK_GROUP_SIZE * 4 bytes; lane shape: 9 * CHUNK_STRIDE * 4 + CHUNK * 4
 #include "work_group.clh"
@@ -18,6 +21,7 @@
 #include "cluster.clh"
 #define BORDER SEARCH_RADIUS
 #include "chunk.clh"
+#include "iteration.clh"
 
 static inline void write_neighbours(Chunk chunk, uint length, uint chunk_begin, global uint* neighbours) {
 #if LANE_SHAPE
@@ -52,12 +56,14 @@ static inline void write_neighbours(Chunk chunk, uint length, uint chunk_begin, 
 #endif
 }
 
-KERNEL void search(global const uint* references, uint count, uint piece_length, global const float* leaves,
-                   global const float* inner, global const uint* leaf_count_in, global uint* neighbours) {
+KERNEL void search(global const uint* references, global const uint* cluster_counts, uint iteration,
+                   global const float* leaves, global const float* inner, global const uint* leaf_count_in,
+                   global uint* neighbours) {
     const uint leaf_count = *leaf_count_in;
+    const uint count = count_above(clusters_before(iteration, leaf_count, cluster_counts), 1);
     DECLARE_CHUNK(chunk);
-    const size_t begin = get_group_id(0) * (size_t)piece_length;
-    const size_t end = min(begin + piece_length, (size_t)count);
+    const size_t begin = group_begin(count, get_group_id(0));
+    const size_t end = group_begin(count, get_group_id(0) + 1);
     for (size_t chunk_begin = begin; chunk_begin < end; chunk_begin += CHUNK) {
         load_chunk(chunk, references, count, (uint)chunk_begin, leaves, inner, leaf_count);
         write_neighbours(chunk, (uint)min((size_t)CHUNK, end - chunk_begin), (uint)chunk_begin, neighbours);
@@ -79,12 +85,13 @@ static inline void merge_pair(uint left, uint right, global uint* references, gl
     references[left] = leaf_count + slot;
 }
 
-KERNEL void merge(global uint* references, uint count, uint piece_length, global const uint* neighbours,
-                  global const float* leaves, global float* inner, global float* nodes,
+KERNEL void merge(global uint* references, global const uint* cluster_counts, uint iteration,
+                  global const uint* neighbours, global const float* leaves, global float* inner, global float* nodes,
                   global const uint* leaf_count_in, global uchar* valid) {
     const uint leaf_count = *leaf_count_in;
-    const size_t begin = get_group_id(0) * (size_t)piece_length;
-    const size_t end = min(begin + piece_length, (size_t)count);
+    const uint count = count_above(clusters_before(iteration, leaf_count, cluster_counts), 1);
+    const size_t begin = group_begin(count, get_group_id(0));
+    const size_t end = group_begin(count, get_group_id(0) + 1);
 #if LANE_SHAPE
     // Which clusters merge is hard to predict, so they are listed without a branch first, a chunk at a time; their
     // records are fetched meanwhile.
@@ -118,10 +125,12 @@ KERNEL void merge(global uint* references, uint count, uint piece_length, global
 #endif
 }
 
-KERNEL void count_valid(global const uchar* valid, uint count, uint piece_length, global uint* counts) {
+KERNEL void count_valid(global const uchar* valid, global const uint* cluster_counts, uint iteration,
+                        global const uint* leaf_count_in, global uint* counts) {
     local uint scan[WORK_GROUP_SIZE];
-    const size_t begin = get_group_id(0) * (size_t)piece_length;
-    const size_t end = min(begin + piece_length, (size_t)count);
+    const uint count = count_above(clusters_before(iteration, *leaf_count_in, cluster_counts), 1);
+    const size_t begin = group_begin(count, get_group_id(0));
+    const size_t end = group_begin(count, get_group_id(0) + 1);
     uint mine = 0;
     FOR_WORK_ITEMS(i, begin, end) {
         mine += valid[i];
@@ -133,8 +142,10 @@ KERNEL void count_valid(global const uchar* valid, uint count, uint piece_length
     }
 }
 
-KERNEL void scan_counts(global uint* counts, uint group_count, global uint* remaining) {
+KERNEL void scan_counts(global uint* counts, uint group_count, global uint* cluster_counts, uint iteration,
+                        global const uint* leaf_count_in) {
     local uint scan[WORK_GROUP_SIZE];
+    const uint clusters = clusters_before(iteration, *leaf_count_in, cluster_counts);
     uint before = 0;
     for (uint tile = 0; tile < group_count; tile += WORK_GROUP_SIZE) {
         const uint g = tile + (uint)LOCAL_ID;
@@ -147,15 +158,18 @@ KERNEL void scan_counts(global uint* counts, uint group_count, global uint* rema
         before += total;
     }
     if (LOCAL_ID == 0) {
-        *remaining = before;
+        cluster_counts[iteration % COUNTS_KEPT] = count_above(clusters, 1) > 0 ? before : clusters;
     }
 }
 
-KERNEL void compact(global const uint* references, global const uchar* valid, uint count, uint piece_length,
-                    global const uint* counts, global uint* compacted) {
+KERNEL void compact(global const uint* references, global const uchar* valid, global const uint* cluster_counts,
+                    uint iteration, global const uint* leaf_count_in, global const uint* counts, global uint* compacted,
+                    global uint* root_reference) {
     local uint scan[WORK_GROUP_SIZE];
-    const size_t begin = get_group_id(0) * (size_t)piece_length;
-    const size_t end = min(begin + piece_length, (size_t)count);
+    const uint clusters = clusters_before(iteration, *leaf_count_in, cluster_counts);
+    const uint count = count_above(clusters, 1);
+    const size_t begin = group_begin(count, get_group_id(0));
+    const size_t end = group_begin(count, get_group_id(0) + 1);
     uint kept = counts[get_group_id(0)];
     for (size_t tile = begin; tile < end; tile += WORK_GROUP_SIZE) {
         const size_t i = tile + LOCAL_ID;
@@ -166,5 +180,9 @@ KERNEL void compact(global const uint* references, global const uchar* valid, ui
             compacted[kept + at] = references[i];
         }
         kept += total;
+    }
+    // The first cluster is never ended by another: it is the first one before and after.
+    if (get_global_id(0) == 0 && clusters > 0) {
+        compacted[0] = *root_reference = references[0];
     }
 }

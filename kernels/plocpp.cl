@@ -1,12 +1,14 @@
 // PLOC++: two kernels an iteration, and one work group for the top (Benthin et al. 2022, sections 4.1 to 4.4 and 4.7).
+// How many clusters there are, the count below, is in device memory (iteration.clh); an iteration that finds no more
+// than `threshold` changes nothing.
 //
 // search_merge   nearest neighbours, merges and the count of valid clusters, in one kernel
 //   in     references [count], leaves, inner (cluster.clh)
 //   out    marked [count]: references after the merges, INVALID_REFERENCE where a cluster ended
 //          inner, nodes: what the merges made; valid_counts [groups]
 // compact        removes the invalid ones; each group sums the counts of the groups before it
-//   in     marked [count], valid_counts [groups]   out  references, remaining [1]
-//   launch both: the same number of groups, each on the same chunks_per_group chunks
+//   in     marked [count], valid_counts [groups]   out  references, the count after the iteration
+//   launch both: the same number of groups, any number
 // finish         iterates to the root; one group; writes root_reference [1]; `other` is a second buffer [count]
 //
 // local  about (9 + 1 or 2) * WORK_GROUP_SIZE * 4 bytes; lane shape: (9 + SEARCH_RADIUS) * CHUNK_STRIDE * 4 + 8 * CHUNK
@@ -20,18 +22,20 @@
 #include "chunk.clh"
 #include "neighbour_search.clh"
 #include "merge.clh"
+#include "iteration.clh"
 #include "range.clh"
 
-KERNEL void search_merge(global const uint* references, uint count, uint chunks_per_group, global const float* leaves,
-                         global float* inner, global float* nodes, global const uint* leaf_count_in,
-                         global uint* marked, global uint* valid_counts) {
+KERNEL void search_merge(global const uint* references, global const uint* cluster_counts, uint iteration,
+                         uint threshold, global const float* leaves, global float* inner, global float* nodes,
+                         global const uint* leaf_count_in, global uint* marked, global uint* valid_counts) {
     const uint leaf_count = *leaf_count_in;
+    const uint count = count_above(clusters_before(iteration, leaf_count, cluster_counts), threshold);
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
     DECLARE_MERGE(survivor, merging);
     local uint scan[WORK_GROUP_SIZE];
-    const size_t begin = get_group_id(0) * (size_t)chunks_per_group * CHUNK;
-    const size_t end = min(begin + (size_t)chunks_per_group * CHUNK, (size_t)count);
+    const size_t begin = group_begin(count, get_group_id(0));
+    const size_t end = group_begin(count, get_group_id(0) + 1);
     uint valid = 0;
     for (size_t chunk_begin = begin; chunk_begin < end; chunk_begin += CHUNK) {
         const uint length = (uint)min((size_t)CHUNK, end - chunk_begin);
@@ -51,8 +55,10 @@ KERNEL void search_merge(global const uint* references, uint count, uint chunks_
     }
 }
 
-KERNEL void compact(global const uint* marked, uint count, uint chunks_per_group, global const uint* valid_counts,
-                    global uint* references, global uint* remaining) {
+KERNEL void compact(global const uint* marked, global uint* cluster_counts, uint iteration, uint threshold,
+                    global const uint* leaf_count_in, global const uint* valid_counts, global uint* references) {
+    const uint clusters = clusters_before(iteration, *leaf_count_in, cluster_counts);
+    const uint count = count_above(clusters, threshold);
     local uint scan[WORK_GROUP_SIZE];
     uint before_me = 0;
     FOR_WORK_ITEMS(g, 0, get_group_id(0)) {
@@ -60,8 +66,8 @@ KERNEL void compact(global const uint* marked, uint count, uint chunks_per_group
     }
     uint kept;
     group_exclusive_scan(scan, before_me, &kept);
-    const size_t begin = get_group_id(0) * (size_t)chunks_per_group * CHUNK;
-    const size_t end = min(begin + (size_t)chunks_per_group * CHUNK, (size_t)count);
+    const size_t begin = group_begin(count, get_group_id(0));
+    const size_t end = group_begin(count, get_group_id(0) + 1);
 #if LANE_SHAPE
     // Written without a branch: what an invalid one leaves behind the last valid one, the next valid one covers; the
     // last store of the piece must not reach into the next group's.
@@ -84,14 +90,15 @@ KERNEL void compact(global const uint* marked, uint count, uint chunks_per_group
     }
 #endif
     if (LOCAL_ID == 0 && get_group_id(0) == get_num_groups(0) - 1) {
-        *remaining = kept;
+        cluster_counts[iteration % COUNTS_KEPT] = count > 0 ? kept : clusters;
     }
 }
 
-KERNEL void finish(global uint* references, global uint* other, uint count, global const float* leaves,
-                   global float* inner, global float* nodes, global const uint* leaf_count_in,
-                   global uint* root_reference) {
+KERNEL void finish(global uint* references, global uint* other, global const uint* cluster_counts, uint iteration,
+                   global const float* leaves, global float* inner, global float* nodes,
+                   global const uint* leaf_count_in, global uint* root_reference) {
     const uint leaf_count = *leaf_count_in;
+    const uint count = clusters_before(iteration, leaf_count, cluster_counts);
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
     DECLARE_MERGE(survivor, merging);

@@ -1,49 +1,42 @@
-// One pass of a stable LSD radix sort of (32-bit key, 32-bit value) pairs by one 8-bit digit. Eight passes sort 64-bit
-// codes: two blocks of four passes over one half of the code each, so that a sorted element stays 8 bytes (PLOC++
-// section 5). Replacing the low half of the code by the high half between the blocks costs no pass: the fourth scatter
-// does it.
+// One pass of a stable LSD radix sort of 64-bit elements by the digit (element >> shift) & mask.
 //
-// The keys are cut into pieces of piece_length, one work group each; counts are kept digit-major, [RADIX * pieces].
-// count_digits    in pairs  out counts
+// Packed keys (morton.cl) are sorted in one block of passes over the bits of the code. Pairs of a 32-bit key and a
+// 32-bit value (value << 32 | key) take two blocks, one over each half of the code, so that a sorted element stays 8
+// bytes (PLOC++ section 5). Replacing the low half of the code by the high half between the blocks costs no pass: the
+// last scatter of the first block does it.
+//
+// The elements are cut into pieces of piece_length, one work group each, which count [RADIX * pieces] digits.
+// count_digits    in elements  out counts
 // scan_counts     group shape only: counts become the first position of each (digit, piece); one group
-// scatter         in pairs, counts  out pairs
-// scatter_rekey   the same, and the key becomes next_keys[value]
-// scatter_last    the same, but splits the pair: values alone, and codes [n] = key << 32 | code_low[value]
+// scatter         in elements, counts  out elements
+// scatter_ids     packed: the same, and ids [n] = the bits of index_mask
+// scatter_rekey   pairs: as scatter, and the key becomes next_keys[value]
+// scatter_last    pairs: splits the pair: values alone, and codes [n] = key << 32 | code_low[value]
 //
 // local   group shape: TILE * 8 + LOCAL_DIGITS * WORK_GROUP_SIZE * 2 + 3 * RADIX * 4 bytes; lane shape: none
 #include "work_group.clh"
 #include "scan.clh"
+#include "radix_digits.clh"
 
-#define RADIX_BITS 8
-#define RADIX (1 << RADIX_BITS)
-#define DIGIT(key, shift) ((key) >> (shift) & (RADIX - 1))
-
-KERNEL void count_digits(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
-                         global uint* counts) {
-    const size_t begin = get_group_id(0) * (size_t)piece_length;
-    const size_t end = min(begin + piece_length, (size_t)pair_count);
-#if LANE_SHAPE
-    uint digit_count[RADIX];
-    for (size_t digit = 0; digit < RADIX; ++digit) {
-        digit_count[digit] = 0;
-    }
-    for (size_t i = begin; i < end; ++i) {
-        ++digit_count[DIGIT(pairs[i].x, shift)];
-    }
-#else
-    local uint digit_count[RADIX];
-    FOR_WORK_ITEMS(digit, 0, RADIX) {
-        digit_count[digit] = 0;
-    }
-    LOCAL_BARRIER();
-    FOR_WORK_ITEMS(i, begin, end) {
-        atomic_inc(digit_count + DIGIT(pairs[i].x, shift));
-    }
-    LOCAL_BARRIER();
+// How far ahead of its use an element is fetched.
+#ifndef SORT_AHEAD
+#define SORT_AHEAD 128
 #endif
-    FOR_WORK_ITEMS(digit, 0, RADIX) {
-        counts[digit * get_num_groups(0) + get_group_id(0)] = digit_count[digit];
+
+#define PIECE_OF_ELEMENTS                                        \
+    const size_t begin = get_group_id(0) * (size_t)piece_length; \
+    const size_t end = min(begin + piece_length, (size_t)element_count);
+
+KERNEL void count_digits(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
+                         global uint* counts) {
+    DIGIT_COUNTERS(counters)
+    PIECE_OF_ELEMENTS
+    clear_counters(counters);
+    FOR_WORK_ITEMS(i, begin, end) {
+        PREFETCH(elements + i + SORT_AHEAD);
+        COUNT_DIGIT(counters, DIGIT(elements[i], shift, mask));
     }
+    store_counters(counters, counts);
 }
 
 #if LANE_SHAPE
@@ -53,62 +46,48 @@ KERNEL void count_digits(global const uint2* pairs, uint pair_count, uint piece_
 #define GATHER_AHEAD 16
 #endif
 
-// First position of each digit of this piece. The pieces are few, so every one sums all their counts itself.
-static inline void find_positions(global const uint* counts, uint* position) {
-    const size_t pieces = get_num_groups(0);
-    const size_t piece = get_group_id(0);
-    uint before = 0;
+// First position of each digit of this piece.
+static inline void find_positions(global const uint* counts, uint* next) {
+    uint total[RADIX];
     for (size_t digit = 0; digit < RADIX; ++digit) {
-        uint digit_total = 0;
-        for (size_t k = 0; k < pieces; ++k) {
-            position[digit] = k == piece ? before + digit_total : position[digit];
-            digit_total += counts[digit * pieces + k];
+        next[digit] = total[digit] = 0;
+    }
+    for (size_t piece = 0; piece < get_num_groups(0); ++piece) {
+        const uint is_before = piece < get_group_id(0) ? 0xffffffffu : 0;
+        for (size_t digit = 0; digit < RADIX; ++digit) {
+            const uint count = counts[piece * RADIX + digit];
+            total[digit] += count;
+            next[digit] += count & is_before;
         }
-        before += digit_total;
+    }
+    uint smaller = 0;
+    for (size_t digit = 0; digit < RADIX; ++digit) {
+        next[digit] += smaller;
+        smaller += total[digit];
     }
 }
 
-#define LOAD_POSITIONS(position) \
-    uint position[RADIX];        \
-    find_positions(counts, position);
+#define SCATTER_LOCALS \
+    PIECE_OF_ELEMENTS  \
+    uint next[RADIX];  \
+    find_positions(counts, next);
 
-KERNEL void scatter(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
-                    global const uint* counts, global uint2* pairs_out) {
-    const size_t begin = get_group_id(0) * (size_t)piece_length;
-    const size_t end = min(begin + piece_length, (size_t)pair_count);
-    LOAD_POSITIONS(position)
-    for (size_t i = begin; i < end; ++i) {
-        const uint2 pair = pairs[i];
-        pairs_out[position[DIGIT(pair.x, shift)]++] = pair;
-    }
-}
+// The elements of a cache line: how far ahead of a write the memory behind it is fetched.
+#define LINE_ELEMENTS 8
 
-KERNEL void scatter_rekey(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
-                          global const uint* counts, global uint2* pairs_out, global const uint* next_keys) {
-    const size_t begin = get_group_id(0) * (size_t)piece_length;
-    const size_t end = min(begin + piece_length, (size_t)pair_count);
-    LOAD_POSITIONS(position)
-    for (size_t i = begin; i < end; ++i) {
-        const uint2 pair = pairs[i];
-        PREFETCH(next_keys + pairs[min(i + GATHER_AHEAD, end - 1)].y);
-        pairs_out[position[DIGIT(pair.x, shift)]++] = (uint2)(next_keys[pair.y], pair.y);
+// for every element of the piece: `at` is where in `out` it belongs. `ahead` is done in time for element
+// i + GATHER_AHEAD.
+#define FOR_SCATTERED_ELEMENTS(out, ahead, store)            \
+    for (size_t i = begin; i < end; ++i) {                   \
+        const ulong element = elements[i];                   \
+        PREFETCH(elements + i + SORT_AHEAD);                 \
+        ahead;                                               \
+        const uint at = next[DIGIT(element, shift, mask)]++; \
+        PREFETCH((out) + at + LINE_ELEMENTS);                \
+        store                                                \
     }
-}
 
-KERNEL void scatter_last(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
-                         global const uint* counts, global const uint* code_low, global uint* values_out,
-                         global ulong* codes_out) {
-    const size_t begin = get_group_id(0) * (size_t)piece_length;
-    const size_t end = min(begin + piece_length, (size_t)pair_count);
-    LOAD_POSITIONS(position)
-    for (size_t i = begin; i < end; ++i) {
-        const uint2 pair = pairs[i];
-        PREFETCH(code_low + pairs[min(i + GATHER_AHEAD, end - 1)].y);
-        const uint at = position[DIGIT(pair.x, shift)]++;
-        values_out[at] = pair.y;
-        codes_out[at] = (ulong)pair.x << 32 | code_low[pair.y];
-    }
-}
+#define VALUE_AHEAD (elements[min(i + GATHER_AHEAD, end - 1)] >> 32)
 
 #else
 
@@ -131,25 +110,32 @@ KERNEL void scan_counts(global uint* counts, uint count) {
     }
 }
 
-// A tile of TILE pairs at a time is sorted by its digit in local memory, four bits after four, so that equal digits
-// leave in runs; then every run is written to where the group's next pair of that digit belongs (Satish, Harris,
+// A tile of TILE elements at a time is sorted by its digit in local memory, four bits after four, so that equal digits
+// leave in runs; then every run is written to where the group's next element of that digit belongs (Satish, Harris,
 // Garland 2009).
 #ifndef ITEMS_PER_WORK_ITEM
 #define ITEMS_PER_WORK_ITEM 4
 #endif
 #define TILE (WORK_GROUP_SIZE * ITEMS_PER_WORK_ITEM)
-#define LOCAL_DIGITS 16
+#define LOCAL_BITS 4
+#define LOCAL_DIGITS (1 << LOCAL_BITS)
 
-// Stable order of the tile by the four bits at `shift`. Pairs beyond the input carry the largest digit and stay last.
-static inline void sort_tile(local uint2* tile, local ushort* counters, local uint* scratch, uint shift) {
+// Four bits of an element's digit.
+static inline uint local_digit(ulong element, uint shift, uint mask, uint local_shift) {
+    return DIGIT(element, shift, mask) >> local_shift & (LOCAL_DIGITS - 1);
+}
+
+// Stable order of the tile by four bits. Elements beyond the input carry the largest digit and stay last.
+static inline void sort_tile(local ulong* tile, local ushort* counters, local uint* scratch, uint shift, uint mask,
+                             uint local_shift) {
     const uint item = get_local_id(0);
-    uint2 mine[ITEMS_PER_WORK_ITEM];
+    ulong mine[ITEMS_PER_WORK_ITEM];
     for (uint k = 0; k < LOCAL_DIGITS; ++k) {
         counters[k * WORK_GROUP_SIZE + item] = 0;
     }
     for (uint k = 0; k < ITEMS_PER_WORK_ITEM; ++k) {
         mine[k] = tile[item * ITEMS_PER_WORK_ITEM + k];
-        ++counters[(mine[k].x >> shift & (LOCAL_DIGITS - 1)) * WORK_GROUP_SIZE + item];
+        ++counters[local_digit(mine[k], shift, mask, local_shift) * WORK_GROUP_SIZE + item];
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     uint sum = 0;
@@ -165,84 +151,97 @@ static inline void sort_tile(local uint2* tile, local ushort* counters, local ui
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint k = 0; k < ITEMS_PER_WORK_ITEM; ++k) {
-        const uint at = (mine[k].x >> shift & (LOCAL_DIGITS - 1)) * WORK_GROUP_SIZE + item;
+        const uint at = local_digit(mine[k], shift, mask, local_shift) * WORK_GROUP_SIZE + item;
         tile[counters[at]] = mine[k];
         ++counters[at];
     }
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-#define SCATTER_LOCALS                                                     \
-    local uint2 tile[TILE];                                                \
-    local ushort counters[LOCAL_DIGITS * WORK_GROUP_SIZE];                 \
-    local uint scratch[WORK_GROUP_SIZE];                                   \
-    local uint next[RADIX];                                                \
-    local uint run_begin[RADIX];                                           \
-    local uint run_end[RADIX];                                             \
-    const size_t begin = get_group_id(0) * (size_t)piece_length;           \
-    const size_t end = min(begin + piece_length, (size_t)pair_count);      \
-    FOR_WORK_ITEMS(digit, 0, RADIX) {                                      \
-        next[digit] = counts[digit * get_num_groups(0) + get_group_id(0)]; \
+#define SCATTER_LOCALS                                     \
+    local ulong tile[TILE];                                \
+    local ushort counters[LOCAL_DIGITS * WORK_GROUP_SIZE]; \
+    local uint scratch[WORK_GROUP_SIZE];                   \
+    local uint next[RADIX];                                \
+    local uint run_begin[RADIX];                           \
+    local uint run_end[RADIX];                             \
+    PIECE_OF_ELEMENTS                                      \
+    FOR_WORK_ITEMS(digit, 0, RADIX) {                      \
+        next[digit] = counts[COUNT_PLACE(digit)];          \
     }
 
 // Loads and sorts the tile at `at`, and finds the run of each digit.
-static inline void load_tile(global const uint2* pairs, size_t at, size_t end, uint shift, local uint2* tile,
-                             local ushort* counters, local uint* scratch, local uint* run_begin, local uint* run_end) {
+static inline void load_tile(global const ulong* elements, size_t at, size_t end, uint shift, uint mask,
+                             local ulong* tile, local ushort* counters, local uint* scratch, local uint* run_begin,
+                             local uint* run_end) {
     FOR_WORK_ITEMS(k, 0, TILE) {
-        tile[k] = at + k < end ? pairs[at + k] : (uint2)(0xffffffffu, 0xffffffffu);
+        tile[k] = at + k < end ? elements[at + k] : ~0ul;
     }
     FOR_WORK_ITEMS(digit, 0, RADIX) {
         run_begin[digit] = run_end[digit] = 0;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    sort_tile(tile, counters, scratch, shift);
-    sort_tile(tile, counters, scratch, shift + 4);
+    for (uint local_shift = 0; local_shift < RADIX_BITS; local_shift += LOCAL_BITS) {
+        sort_tile(tile, counters, scratch, shift, mask, local_shift);
+    }
     FOR_WORK_ITEMS(k, 0, TILE) {
-        const uint digit = DIGIT(tile[k].x, shift);
-        if (k == 0 || DIGIT(tile[k - 1].x, shift) != digit) {
+        const uint digit = DIGIT(tile[k], shift, mask);
+        if (k == 0 || DIGIT(tile[k - 1], shift, mask) != digit) {
             run_begin[digit] = (uint)k;
         }
-        if (k == TILE - 1 || DIGIT(tile[k + 1].x, shift) != digit) {
+        if (k == TILE - 1 || DIGIT(tile[k + 1], shift, mask) != digit) {
             run_end[digit] = (uint)k + 1;
         }
     }
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// for every pair of the piece: `at` is where it belongs. Padding pairs end the tile that holds the piece's end.
-#define FOR_SCATTERED_PAIRS(store)                                                             \
-    for (size_t tile_begin = begin; tile_begin < end; tile_begin += TILE) {                    \
-        load_tile(pairs, tile_begin, end, shift, tile, counters, scratch, run_begin, run_end); \
-        FOR_WORK_ITEMS(k, 0, min((size_t)TILE, end - tile_begin)) {                            \
-            const uint2 pair = tile[k];                                                        \
-            const uint digit = DIGIT(pair.x, shift);                                           \
-            const uint at = next[digit] + (uint)k - run_begin[digit];                          \
-            store                                                                              \
-        }                                                                                      \
-        barrier(CLK_LOCAL_MEM_FENCE);                                                          \
-        FOR_WORK_ITEMS(digit, 0, RADIX) {                                                      \
-            next[digit] += run_end[digit] - run_begin[digit];                                  \
-        }                                                                                      \
-        barrier(CLK_LOCAL_MEM_FENCE);                                                          \
+// for every element of the piece: `at` is where it belongs. Padding ends the tile that holds the piece's end.
+#define FOR_SCATTERED_ELEMENTS(out, ahead, store)                                                       \
+    for (size_t tile_begin = begin; tile_begin < end; tile_begin += TILE) {                             \
+        load_tile(elements, tile_begin, end, shift, mask, tile, counters, scratch, run_begin, run_end); \
+        FOR_WORK_ITEMS(k, 0, min((size_t)TILE, end - tile_begin)) {                                     \
+            const ulong element = tile[k];                                                              \
+            const uint digit = DIGIT(element, shift, mask);                                             \
+            const uint at = next[digit] + (uint)k - run_begin[digit];                                   \
+            store                                                                                       \
+        }                                                                                               \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                                   \
+        FOR_WORK_ITEMS(digit, 0, RADIX) {                                                               \
+            next[digit] += run_end[digit] - run_begin[digit];                                           \
+        }                                                                                               \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                                   \
     }
 
-KERNEL void scatter(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
-                    global const uint* counts, global uint2* pairs_out) {
-    SCATTER_LOCALS
-    FOR_SCATTERED_PAIRS(pairs_out[at] = pair;)
-}
-
-KERNEL void scatter_rekey(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
-                          global const uint* counts, global uint2* pairs_out, global const uint* next_keys) {
-    SCATTER_LOCALS
-    FOR_SCATTERED_PAIRS(vstore2((uint2)(next_keys[pair.y], pair.y), at, (global uint*)pairs_out);)
-}
-
-KERNEL void scatter_last(global const uint2* pairs, uint pair_count, uint piece_length, uint shift,
-                         global const uint* counts, global const uint* code_low, global uint* values_out,
-                         global ulong* codes_out) {
-    SCATTER_LOCALS
-    FOR_SCATTERED_PAIRS(values_out[at] = pair.y; codes_out[at] = (ulong)pair.x << 32 | code_low[pair.y];)
-}
-
 #endif
+
+#define KEY(element) ((uint)(element))
+#define VALUE(element) ((uint)((element) >> 32))
+
+KERNEL void scatter(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
+                    global const uint* counts, global ulong* elements_out) {
+    SCATTER_LOCALS
+    FOR_SCATTERED_ELEMENTS(elements_out, , elements_out[at] = element;)
+}
+
+KERNEL void scatter_ids(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
+                        global const uint* counts, uint index_mask, global ulong* elements_out, global uint* ids) {
+    SCATTER_LOCALS
+    FOR_SCATTERED_ELEMENTS(elements_out, , PREFETCH(ids + at + 2 * LINE_ELEMENTS); elements_out[at] = element;
+                           ids[at] = (uint)element & index_mask;)
+}
+
+KERNEL void scatter_rekey(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
+                          global const uint* counts, global const uint* next_keys, global ulong* elements_out) {
+    SCATTER_LOCALS
+    FOR_SCATTERED_ELEMENTS(elements_out, PREFETCH(next_keys + VALUE_AHEAD),
+                           elements_out[at] = (element & ~0xfffffffful) | next_keys[VALUE(element)];)
+}
+
+KERNEL void scatter_last(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
+                         global const uint* counts, global const uint* code_low, global ulong* codes_out,
+                         global uint* values_out) {
+    SCATTER_LOCALS
+    FOR_SCATTERED_ELEMENTS(codes_out, PREFETCH(code_low + VALUE_AHEAD), values_out[at] = VALUE(element);
+                           codes_out[at] = element << 32 | code_low[VALUE(element)];)
+}

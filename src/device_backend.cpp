@@ -23,13 +23,17 @@ public:
         : algorithm_(*row.device_algorithm),
           options_(options),
           context_(context),
-          settings_(device::resolve_settings(options, context_.session())) {}
+          settings_(device::prepare_pipeline(context_.session(), algorithm_, options)) {}
 
     void upload(const Mesh& mesh, std::uint64_t active_count) override {
         device::Session& session = context_.session();
         mesh_ = {};  // the memory of the mesh before is free again
+        const auto primitives = static_cast<std::uint32_t>(mesh.triangles.size());
+        if (primitives > 0) {
+            device::check_allocations(session, device::plan_pipeline(algorithm_, settings_, primitives));
+        }
         device::DeviceMesh uploaded;
-        uploaded.primitive_count = static_cast<std::uint32_t>(mesh.triangles.size());
+        uploaded.primitive_count = primitives;
         uploaded.active_count = static_cast<std::uint32_t>(active_count);
         with_opencl_errors("uploading the mesh", [&] {
             uploaded.vertices = upload_array(session, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));

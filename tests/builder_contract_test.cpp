@@ -111,7 +111,7 @@ TEST_CASE("a mesh that breaks the contract is refused, and the builder still wor
 }
 
 TEST_CASE("unknown builders and options out of range are refused at construction") {
-    expect_error(ErrorCode::invalid_input, {"plok", "ploc", "plocpp", "plocpp-two-level", "lbvh"},
+    expect_error(ErrorCode::invalid_input, {"plok", "ploc", "plocpp", "plocpp-two-level", "hploc", "lbvh"},
                  [] { (void)make_builder("plok"); });
     BuildOptions options;
     options.search_radius = 33;

@@ -101,6 +101,17 @@ TEST_CASE("builders equal their oracles: extended Morton codes") {
     }
 }
 
+TEST_CASE("builders equal their oracles: packed keys of few bits, and pairs") {
+    for (const Shape shape : {Shape::group, Shape::lane}) {
+        for (const std::uint32_t code_bits : {33u, 63u}) {
+            BuildOptions options = options_of(shape);
+            options.sort_shape = shape;
+            options.code_bits = code_bits;
+            expect_oracle_trees(options);
+        }
+    }
+}
+
 TEST_CASE("builders equal their oracles: both searches with both encodings") {
     for (const NeighbourSearch search : {NeighbourSearch::scan, NeighbourSearch::symmetric}) {
         for (const NeighbourEncoding encoding : {NeighbourEncoding::bits32, NeighbourEncoding::bits64}) {

@@ -143,6 +143,29 @@ TEST_CASE("progress through the C interface names the stage and cancels") {
     CHECK(stage == "bounds");
 }
 
+TEST_CASE("the C interface knows both presets of hploc") {
+    const Mesh mesh = clbvh::generate_scene("soup", 2000);
+    clbvh_options options;
+    clbvh_default_options(&options, sizeof(options));
+    for (const std::uint32_t fast : {0u, 1u}) {
+        options.fast_hploc = fast;
+        CBuilder c;
+        REQUIRE(clbvh_create_builder("hploc", nullptr, &options, &c.handle) == CLBVH_OK);
+        REQUIRE(build(c.handle, mesh) == CLBVH_OK);
+        clbvh::BuildOptions same;
+        same.hploc_quality = fast != 0 ? clbvh::HplocQuality::fast : clbvh::HplocQuality::balanced;
+        const clbvh::Bvh expected = clbvh::build(mesh, "hploc", same);
+        std::uint64_t count = 0;
+        const clbvh_node* nodes = clbvh_nodes(c.handle, &count);
+        REQUIRE(count == expected.nodes.size());
+        CHECK(std::memcmp(nodes, expected.nodes.data(), count * sizeof(clbvh_node)) == 0);
+    }
+    options.fast_hploc = 2;
+    CBuilder c;
+    CHECK(clbvh_create_builder("hploc", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("fast_hploc"));
+}
+
 TEST_CASE("host builders take their options through the C interface, and callers may know fewer of them") {
     const Mesh mesh = clbvh::generate_scene("hair", 2000);
     const auto build_with = [&](clbvh_options options) {

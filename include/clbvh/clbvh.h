@@ -42,7 +42,7 @@ typedef struct clbvh_options {
     uint32_t shape;                  /**< 0 automatic, 1 group, 2 lane. */
     uint32_t extended_morton_code;   /**< 0 3D codes, 1 4D extended codes. */
     uint32_t exact_distances;        /**< 0 the 32-bit encoding of PLOC++, 1 exact. */
-    uint32_t single_group_threshold; /**< plocpp: clusters below which one work group finishes, 2 to 2^20. */
+    uint32_t single_group_threshold; /**< plocpp: clusters below which one work group finishes, 2 to 2^20; 0: chosen. */
     clbvh_progress progress;         /**< May be null. */
     void* progress_user;             /**< Handed to `progress`. */
     float inner_cost;                /**< Cost of visiting an inner node, above 0: SAH builders, merging of leaves. */
@@ -53,6 +53,7 @@ typedef struct clbvh_options {
     uint32_t bin_count;              /**< binned-sah, sbvh: bins an axis, 2 to 64. */
     float split_alpha;               /**< sbvh: see clbvh::BuildOptions, 0 to 1. */
     float reference_budget;          /**< sbvh: most references, as a multiple of the primitives, 1 to 8. */
+    uint32_t fast_hploc;             /**< hploc: 0 the preset balanced, 1 fast; see clbvh::HplocQuality. */
 } clbvh_options;
 
 /** A builder, on a device or on the host, with its programs, its memory and the last finished tree. One thread at a

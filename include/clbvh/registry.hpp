@@ -14,7 +14,9 @@ struct BuilderInfo {
     std::string_view title;  ///< One line for people.
     std::string_view paper;  ///< Authors and year.
     BuilderKind kind;
-    bool uses_search_radius;  ///< BuildOptions::search_radius matters.
+    bool uses_search_radius;                   ///< BuildOptions::search_radius matters.
+    bool uses_chunk_size = false;              ///< BuildOptions::chunk_size matters, in the lane shape.
+    bool uses_single_group_threshold = false;  ///< BuildOptions::single_group_threshold matters.
 };
 
 /// Every builder of the library, in the order in which tables list them.

@@ -35,6 +35,20 @@ constexpr std::array kSearches{
     Named{NeighbourSearch::symmetric, "symmetric"},
     Named{NeighbourSearch::scan, "scan"},
 };
+constexpr std::array kHplocQualities{
+    Named{HplocQuality::balanced, "balanced"},
+    Named{HplocQuality::fast, "fast"},
+};
+constexpr std::array kHplocSearches{
+    Named{HplocSearch::automatic, "auto"},
+    Named{HplocSearch::all_pairs, "all-pairs"},
+    Named{HplocSearch::window, "window"},
+};
+constexpr std::array kPairMergings{
+    Named{PairMerging::automatic, "auto"},
+    Named{PairMerging::on, "on"},
+    Named{PairMerging::off, "off"},
+};
 
 /// Empty where the value is none of the enumerators.
 template <typename Table, typename Enum>
@@ -56,6 +70,11 @@ void check_enumerator(std::string_view option, Enum value) {
     }
 }
 
+void check_code_bits(std::uint32_t bits) {
+    const bool valid = bits == 0 || bits == 33 || bits == 44 || bits == 63;
+    if (!valid) reject_field("code_bits", std::to_string(bits), "33, 44 or 63, or 0 to have it chosen");
+}
+
 void check_chunk_size(std::uint32_t size) {
     const bool valid = size == 0 || (size >= 64 && size <= 4096 && size % 64 == 0);
     if (!valid) reject_field("chunk_size", std::to_string(size), "64 to 4096 in steps of 64, or 0 to have it chosen");
@@ -67,8 +86,24 @@ void check_work_group_size(std::uint32_t size) {
         reject_field("work_group_size", std::to_string(size), "a power of two from 32 to 1024, or 0 to have it chosen");
 }
 
+void check_single_group_threshold(std::uint32_t count) {
+    const bool valid = count == 0 || (count >= 2 && count <= 1u << 20);
+    if (!valid) reject_field("single_group_threshold", std::to_string(count), "2 to 1048576, or 0 to have it chosen");
+}
+
 void check_range_count(std::uint32_t count) {
     if (count > 512) reject_field("range_count", std::to_string(count), "1 to 512, or 0 to have it chosen");
+}
+
+void check_hploc(const BuildOptions& options) {
+    check_enumerator("hploc_quality", options.hploc_quality);
+    check_enumerator("hploc_search", options.hploc_search);
+    const std::uint32_t limit = options.cluster_limit;
+    if (limit != 0 && limit != 8 && limit != 16)
+        reject_field("cluster_limit", std::to_string(limit), "8 or 16, or 0 to have it chosen");
+    check_range("small_range", options.small_range, 0, 1u << 30);
+    check_range("small_limit", options.small_limit, 0, 8);
+    check_enumerator("merge_pairs", options.merge_pairs);
 }
 
 }  // namespace
@@ -86,12 +121,14 @@ void check_options(const BuildOptions& options) {
     check_enumerator("shape", options.shape);
     check_enumerator("sort_shape", options.sort_shape);
     check_enumerator("morton_code", options.morton_code);
+    check_code_bits(options.code_bits);
     check_enumerator("neighbour_encoding", options.neighbour_encoding);
     check_enumerator("neighbour_search", options.neighbour_search);
-    check_range("single_group_threshold", options.single_group_threshold, 2, 1u << 20);
+    check_single_group_threshold(options.single_group_threshold);
     check_chunk_size(options.chunk_size);
     check_work_group_size(options.work_group_size);
     check_range_count(options.range_count);
+    check_hploc(options);
 }
 
 std::string_view to_string(Shape shape) noexcept {
@@ -106,6 +143,15 @@ std::string_view to_string(NeighbourEncoding encoding) noexcept {
 std::string_view to_string(NeighbourSearch search) noexcept {
     return name_of(kSearches, search);
 }
+std::string_view to_string(HplocQuality quality) noexcept {
+    return name_of(kHplocQualities, quality);
+}
+std::string_view to_string(HplocSearch search) noexcept {
+    return name_of(kHplocSearches, search);
+}
+std::string_view to_string(PairMerging merging) noexcept {
+    return name_of(kPairMergings, merging);
+}
 
 std::optional<Shape> shape_from(std::string_view name) noexcept {
     return value_of(kShapes, name);
@@ -118,6 +164,15 @@ std::optional<NeighbourEncoding> neighbour_encoding_from(std::string_view name) 
 }
 std::optional<NeighbourSearch> neighbour_search_from(std::string_view name) noexcept {
     return value_of(kSearches, name);
+}
+std::optional<HplocQuality> hploc_quality_from(std::string_view name) noexcept {
+    return value_of(kHplocQualities, name);
+}
+std::optional<HplocSearch> hploc_search_from(std::string_view name) noexcept {
+    return value_of(kHplocSearches, name);
+}
+std::optional<PairMerging> pair_merging_from(std::string_view name) noexcept {
+    return value_of(kPairMergings, name);
 }
 
 }  // namespace clbvh

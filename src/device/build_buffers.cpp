@@ -36,19 +36,20 @@ std::uint64_t quarter_bytes(std::uint64_t primitives) {
     return align_for_views(4 * primitives);
 }
 
-std::uint64_t sort_bytes(std::uint64_t primitives) {
-    return 6 * quarter_bytes(primitives);
+std::uint64_t sort_bytes(const MemoryPlan& plan) {
+    return (plan.packed_keys ? 2 : 6) * quarter_bytes(plan.primitives);
 }
 
-std::uint64_t count_bytes(std::uint64_t most_sort_pieces) {
-    return 4 * std::max<std::uint64_t>(256 * most_sort_pieces, BuildBuffers::kMostPieces);
+std::uint64_t count_bytes(std::uint64_t sort_counts) {
+    return 4 * std::max<std::uint64_t>(sort_counts, BuildBuffers::kMostPieces);
 }
 
-std::uint64_t small_bytes(std::uint64_t most_sort_pieces) {
+std::uint64_t small_bytes(std::uint64_t sort_counts) {
     std::uint64_t sum = 0;
     for (const std::uint64_t bytes :
          {kBoundsBytes, kBoundsBytes * BuildBuffers::kMostPieces, kWordBytes * BuildBuffers::kMostPieces,
-          count_bytes(most_sort_pieces), kTableBytes, kParameterBytes, kWordBytes, kWordBytes, kWordBytes}) {
+          count_bytes(sort_counts), kTableBytes, kParameterBytes, kWordBytes, kWordBytes,
+          kWordBytes * BuildBuffers::kCountsKept}) {
         sum += align_for_views(bytes);
     }
     return sum;
@@ -59,16 +60,21 @@ void cut_small(BuildBuffers& b, const Block& small, const MemoryPlan& plan) {
     b.bounds = cutter.take(kBoundsBytes);
     b.partial_bounds = cutter.take(kBoundsBytes * BuildBuffers::kMostPieces);
     b.partial_counts = cutter.take(kWordBytes * BuildBuffers::kMostPieces);
-    b.counts = cutter.take(count_bytes(plan.most_sort_pieces));
+    b.counts = cutter.take(count_bytes(plan.sort_counts));
     b.morton_tables = cutter.take(kTableBytes);
     b.morton_parameters = cutter.take(kParameterBytes);
     b.leaf_count = cutter.take(kWordBytes);
     b.root_reference = cutter.take(kWordBytes);
-    b.remaining = cutter.take(kWordBytes);
+    b.cluster_counts = cutter.take(kWordBytes * BuildBuffers::kCountsKept);
 }
 
-void cut_sort(BuildBuffers& b, const Block& block, std::uint64_t n) {
+void cut_sort(BuildBuffers& b, const Block& block, const MemoryPlan& plan) {
+    const std::uint64_t n = plan.primitives;
     Cutter cutter(block);
+    if (plan.packed_keys) {
+        b.keys = cutter.take(2 * 4 * n);
+        return;
+    }
     b.pairs_a = cutter.take(2 * 4 * n);
     b.pairs_b = cutter.take(2 * 4 * n);
     b.code_low = cutter.take(4 * n);
@@ -89,19 +95,36 @@ MemoryPlan plan_memory(const BuildSettings& settings, BoxOrder box_order, std::u
     MemoryPlan plan;
     plan.box_order = box_order;
     plan.primitives = n;
-    plan.most_sort_pieces = settings.most_sort_pieces;
+    plan.packed_keys = settings.packed_keys();
+    plan.sort_counts = std::uint64_t{settings.most_sort_pieces} << settings.sort_digit_bits();
     plan.nodes = kNodeBytes * n;
     plan.primitive_ids = kIdBytes * n;
     plan.leaves = kBoxBytes * n + kBehindBoxes;
     plan.references = 2 * quarter_bytes(n);
-    plan.small = small_bytes(plan.most_sort_pieces);
+    plan.small = small_bytes(plan.sort_counts);
     plan.extra = extra_bytes;
     if (box_order == BoxOrder::morton) {
-        plan.inner = std::max(kInnerBytes * n, sort_bytes(n));
-    } else if (sort_bytes(n) > plan.nodes) {
-        plan.inner = sort_bytes(n);
+        plan.inner = std::max(kInnerBytes * n, sort_bytes(plan));
+    } else if (sort_bytes(plan) > plan.nodes) {
+        plan.inner = sort_bytes(plan);
     }
     return plan;
+}
+
+BuildMemory cut_scratch(const Block& nodes, const Block& primitive_ids, const Block& scratch, const MemoryPlan& plan) {
+    std::uint64_t end = scratch.offset;
+    const auto take = [&](std::uint64_t bytes) {
+        const Block block{scratch.buffer, end};
+        end += align_for_views(bytes);
+        return block;
+    };
+    BuildMemory memory{nodes, primitive_ids, {}, {}, {}, {}, {}};
+    memory.leaves = take(plan.leaves);
+    memory.inner = take(plan.inner);
+    memory.references = take(plan.references);
+    memory.small = take(plan.small);
+    memory.extra = take(plan.extra);
+    return memory;
 }
 
 BuildBuffers cut_views(const BuildMemory& memory, const MemoryPlan& plan) {
@@ -119,7 +142,7 @@ BuildBuffers cut_views(const BuildMemory& memory, const MemoryPlan& plan) {
     } else {
         b.boxes = view_of(memory.leaves, 0, plan.leaves);
     }
-    cut_sort(b, plan.inner > 0 ? memory.inner : memory.nodes, n);
+    cut_sort(b, plan.inner > 0 ? memory.inner : memory.nodes, plan);
     cut_small(b, memory.small, plan);
     b.extra = memory.extra;
     return b;

@@ -7,12 +7,18 @@
 
 namespace clbvh::device {
 
-/// A triangle mesh in device memory.
+/// How primitives lie in memory; see kernels/input.clh.
+enum class InputForm : std::uint8_t { tight, indexed_32, indexed_16, triangles, boxes };
+
+/// Primitives in device memory. Sizes and strides are in bytes.
 struct DeviceMesh {
-    cl::Buffer vertices;   ///< float [vertices * 3]
-    cl::Buffer triangles;  ///< uint [primitive_count * 3]
+    cl::Buffer vertices;   ///< Triangles: float[3] each; boxes: float[6] each.
+    cl::Buffer triangles;  ///< Indices, where the form has them; else null.
     std::uint32_t primitive_count = 0;
-    std::uint32_t active_count = 0;  ///< Primitives without a NaN; the leaves of the tree.
+    std::uint32_t active_count = 0;  ///< Primitives without a NaN, the leaves of the tree; or as many as there may be.
+    InputForm form = InputForm::tight;
+    std::uint64_t vertex_offset = 0, triangle_offset = 0;
+    std::uint32_t vertex_stride = 0, triangle_stride = 0;  ///< Not used by the tight form.
 };
 
 /// A buffer, or the part of one that begins at `offset`.
@@ -44,16 +50,23 @@ enum class BoxOrder : std::uint8_t {
 ///                        does not fit into the nodes
 ///     references   8 n   the sorted codes; morton: until the ranges are cut, then two reference arrays
 ///
-/// The sort takes 24 n: two arrays of pairs and the halves of the codes. With the finished tree that is 132 or 100
-/// bytes a primitive, beside what a builder adds in `extra` and small change.
+/// The sort takes 8 n beside the sorted codes, for packed keys, or 24 n: two arrays of pairs and the halves of the
+/// codes. With the finished tree that is 132 or 100 bytes a primitive, beside what a builder adds in `extra` and small
+/// change.
 struct MemoryPlan {
     BoxOrder box_order = BoxOrder::morton;
     std::uint64_t primitives = 0;
-    std::uint64_t most_sort_pieces = 0;
+    bool packed_keys = true;
+    std::uint64_t sort_counts = 0;                                              ///< digits times pieces of the sort
     std::uint64_t nodes = 0, primitive_ids = 0;                                 ///< the result
     std::uint64_t leaves = 0, inner = 0, references = 0, small = 0, extra = 0;  ///< scratch
 
     [[nodiscard]] bool operator==(const MemoryPlan&) const noexcept = default;
+    /// Scratch in one piece, see cut_scratch().
+    [[nodiscard]] std::uint64_t scratch_bytes() const noexcept {
+        return align_for_views(leaves) + align_for_views(inner) + align_for_views(references) + align_for_views(small) +
+               align_for_views(extra);
+    }
     /// What a build needs, the finished tree included.
     [[nodiscard]] std::uint64_t bytes() const noexcept {
         return nodes + primitive_ids + leaves + inner + references + small + extra;
@@ -63,10 +76,17 @@ struct MemoryPlan {
 [[nodiscard]] MemoryPlan plan_memory(const BuildSettings& settings, BoxOrder box_order, std::uint32_t primitives,
                                      std::uint64_t extra_bytes);
 
+/// Throws Error(unsupported) where a block of the plan would exceed the device's largest allocation.
+void check_allocations(const Session& session, const MemoryPlan& plan);
+
 /// The blocks of one build.
 struct BuildMemory {
     Block nodes, primitive_ids, leaves, inner, references, small, extra;
 };
+
+/// The blocks of a plan, with all scratch one behind the other in `scratch`.
+[[nodiscard]] BuildMemory cut_scratch(const Block& nodes, const Block& primitive_ids, const Block& scratch,
+                                      const MemoryPlan& plan);
 
 /// Device memory of one build, as the kernels see it.
 struct BuildBuffers {
@@ -75,23 +95,26 @@ struct BuildBuffers {
     cl::Buffer leaves;                      ///< float [n * 6 + 2], BoxOrder::morton only
     cl::Buffer inner;                       ///< float [n * 8], BoxOrder::morton only
     cl::Buffer boxes;                       ///< float [n * 6 + 2], by primitive
-    cl::Buffer pairs_a, pairs_b;            ///< uint2 [n]
-    cl::Buffer code_low, code_high;         ///< uint [n]
+    cl::Buffer keys;                        ///< ulong [n], packed keys only, which pass between it and codes
+    cl::Buffer pairs_a, pairs_b;            ///< ulong [n], pairs only
+    cl::Buffer code_low, code_high;         ///< uint [n], pairs only
     cl::Buffer codes;                       ///< ulong [n]
     cl::Buffer references_a, references_b;  ///< uint [n], BoxOrder::morton only
     cl::Buffer bounds;                      ///< float [12], in small, like all that follow
     cl::Buffer partial_bounds;              ///< float [12 * kMostPieces]
     cl::Buffer partial_counts;              ///< uint [kMostPieces]
-    cl::Buffer counts;                      ///< uint [256 * pieces of the sort, at least kMostPieces]
+    cl::Buffer counts;                      ///< uint [digits * pieces of the sort, at least kMostPieces]
     cl::Buffer morton_tables;               ///< ulong [4096]
     cl::Buffer morton_parameters;           ///< float [16]
     cl::Buffer leaf_count;                  ///< uint: active primitives
     cl::Buffer root_reference;              ///< uint
-    cl::Buffer remaining;                   ///< uint
+    cl::Buffer cluster_counts;              ///< uint [kCountsKept], see kernels/iteration.clh
     Block extra;                            ///< what DeviceAlgorithm::extra_bytes asked for
 
     /// Most pieces that any stage is cut into.
     static constexpr std::uint32_t kMostPieces = 1024;
+    /// COUNTS_KEPT of kernels/iteration.clh.
+    static constexpr std::uint32_t kCountsKept = 64;
 };
 
 /// Cuts the blocks, each as large as `plan` says or larger, into the views of a build.

@@ -14,6 +14,9 @@ struct ClusterJob {
     const BuildSettings& settings;
     const BuildBuffers& buffers;
     std::uint32_t leaf_count;  ///< what buffers.leaf_count holds, at least 1; launches are sized by it
+    /// The host must not wait for the device where that can be helped, and leaf_count is an upper bound: what
+    /// buffers.leaf_count holds may be less, and 0.
+    bool asynchronous = false;
 };
 
 /// What makes one device builder different from the next.
@@ -22,11 +25,14 @@ struct DeviceAlgorithm {
     /// Device memory beside what every build uses.
     std::uint64_t (*extra_bytes)(const BuildSettings& settings, std::uint32_t primitives);
     BoxOrder box_order = BoxOrder::morton;
+    /// The program of its kernels, beside those of the stages.
+    ProgramSpec (*program)(const BuildSettings& settings);
 };
 
 extern const DeviceAlgorithm kPloc;
 extern const DeviceAlgorithm kPlocpp;
 extern const DeviceAlgorithm kPlocppTwoLevel;
+extern const DeviceAlgorithm kHploc;
 extern const DeviceAlgorithm kLbvh;
 
 /// Bytes that a round of clustering has to move: every cluster's reference and record are read, `array_bytes` more pass

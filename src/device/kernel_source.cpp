@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <set>
-#include <span>
 
 #include "clbvh/core/error.hpp"
 
@@ -40,9 +39,14 @@ void append_expanded(std::string_view name, std::set<std::string_view>& included
 }  // namespace
 
 std::string kernel_source(std::string_view name) {
+    return kernel_source(std::span(&name, 1));
+}
+
+std::string kernel_source(std::span<const std::string_view> names) {
     std::string source;
     std::set<std::string_view> included;
-    append_expanded(name, included, source);
+    for (const std::string_view name : names)
+        append_expanded(name, included, source);
     return source;
 }
 

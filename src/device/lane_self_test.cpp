@@ -45,12 +45,16 @@ std::vector<std::uint32_t> expected_result() {
 
 }  // namespace
 
+ProgramSpec lane_self_test_program() {
+    return {"lane_self_test.cl", 1, ""};
+}
+
 bool lane_shape_passes_self_test(Session& session) {
     const std::vector<std::uint32_t> expected = expected_result();
     const std::size_t bytes = expected.size() * sizeof(std::uint32_t);
     std::vector<std::uint32_t> result(expected.size());
     try {
-        Kernel& kernel = session.kernel("lane_self_test.cl", "lane_self_test", 1, "");
+        Kernel& kernel = session.kernel(lane_self_test_program(), "lane_self_test");
         const cl::Buffer buffer(session.context(), CL_MEM_WRITE_ONLY, bytes);
         kernel.kernel.setArg(0, buffer);
         session.queue().enqueueNDRangeKernel(kernel.kernel, cl::NullRange, cl::NDRange(kGroups), cl::NDRange(1));

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "device/session.hpp"
+
 namespace clbvh::device {
 
-class Session;
+[[nodiscard]] ProgramSpec lane_self_test_program();
 
 /// Runs kernels/lane_self_test.cl and compares with the host. False where the result is wrong or the driver refuses.
 [[nodiscard]] bool lane_shape_passes_self_test(Session& session);

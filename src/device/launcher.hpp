@@ -3,6 +3,7 @@
 #include <chrono>
 #include <concepts>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -12,11 +13,14 @@
 
 namespace clbvh::device {
 
-/// Enqueues the kernels of one build on the session's queue, stage by stage, and keeps the books: launches, times,
-/// progress.
+/// Enqueues the kernels of one build, stage by stage, each to run when the one before is done, whatever the order of
+/// the queue. Keeps the books: launches, times, progress.
 class Launcher {
 public:
+    /// On the session's queue.
     Launcher(Session& session, const ProgressCallback& progress);
+    /// On a queue of the caller's, behind the events in `wait_list`. Takes no times and reports no progress.
+    Launcher(Session& session, cl::CommandQueue queue, std::vector<cl::Event> wait_list);
 
     /// Ends the stage before, and reports `fraction` of the build done. Throws Error(cancelled) where the callback says
     /// no.
@@ -35,8 +39,22 @@ public:
         enqueue(kernel, groups);
     }
 
-    /// Waits for all that was enqueued and copies one number from the device.
-    [[nodiscard]] std::uint32_t read_uint(const cl::Buffer& buffer);
+    /// Waits for all that was enqueued and copies the first numbers of `buffer` from the device.
+    void read_uints(const cl::Buffer& buffer, std::span<std::uint32_t> out);
+    [[nodiscard]] std::uint32_t read_uint(const cl::Buffer& buffer) {
+        std::uint32_t value = 0;
+        read_uints(buffer, {&value, 1});
+        return value;
+    }
+
+    /// Enqueues a copy of the number that begins `from` to `offset` bytes into `to`.
+    void copy_uint(const cl::Buffer& from, const cl::Buffer& to, std::uint64_t offset);
+
+    /// Enqueues that `count` numbers from `offset` bytes into `to` on become 0.
+    void clear_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count);
+
+    /// Makes `*event`, where there is one, an event of the caller's that is complete when all that was enqueued is.
+    void hand_over_end(cl_event* event);
 
     /// Books `bytes` that the stage's kernels have to read or write.
     void count_bytes(std::uint64_t bytes) { stats_.stages.back().bytes_moved += bytes; }
@@ -52,12 +70,20 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
+    /// Calls `enqueue` with the events that a command waits for and with where to put its own, null where it needs
+    /// none.
+    template <class Enqueue>
+    void enqueue_next(Enqueue&& enqueue);
     void enqueue(Kernel& kernel, std::size_t groups);
     void end_stage();
     void add_device_times();
 
     Session& session_;
-    const ProgressCallback& progress_;
+    cl::CommandQueue queue_;
+    std::vector<cl::Event> waits_;  // of the next command
+    bool out_of_order_;
+    bool profiles_;
+    const ProgressCallback* progress_ = nullptr;
     BuildStats stats_;
     double reported_ = 0.0;
     Clock::time_point build_begin_ = Clock::now();

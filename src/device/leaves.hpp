@@ -5,6 +5,9 @@
 
 namespace clbvh::device {
 
+/// The kernels of this stage.
+[[nodiscard]] ProgramSpec leaves_program(const BuildSettings& settings);
+
 /// Boxes of the first `leaf_count` sorted primitives into buffers.leaves. One launch.
 void launch_leaves(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers,
                    std::uint32_t leaf_count);

@@ -18,21 +18,6 @@ constexpr Field kFields[] = {
     {&BuildMemory::extra, &MemoryPlan::extra},
 };
 
-void check_allocations(const Session& session, const MemoryPlan& plan) {
-    const std::uint64_t most = session.info().max_allocation_bytes;
-    std::uint64_t largest = 0;
-    for (const Field& field : kFields) {
-        largest = std::max(largest, plan.*field.bytes);
-    }
-    if (largest > most) {
-        throw Error(ErrorCode::unsupported, std::to_string(plan.primitives) + " primitives need a buffer of " +
-                                                std::to_string(largest >> 20) + " MiB, but " + session.info().name +
-                                                " allocates at most " + std::to_string(most >> 20) +
-                                                " MiB at once, enough for " +
-                                                std::to_string(most / (plan.nodes / plan.primitives)) + " primitives");
-    }
-}
-
 bool is_within(const MemoryPlan& plan, const MemoryPlan& capacity) {
     return std::ranges::all_of(kFields, [&](const Field& f) { return plan.*f.bytes <= capacity.*f.bytes; });
 }
@@ -56,6 +41,21 @@ BuildMemory allocate(const Session& session, const MemoryPlan& plan) {
 }
 
 }  // namespace
+
+void check_allocations(const Session& session, const MemoryPlan& plan) {
+    const std::uint64_t most = session.info().max_allocation_bytes;
+    std::uint64_t largest = 0;
+    for (const Field& field : kFields) {
+        largest = std::max(largest, plan.*field.bytes);
+    }
+    if (largest > most) {
+        throw Error(ErrorCode::unsupported,
+                    std::to_string(plan.primitives) + " primitives need a buffer of " + std::to_string(largest >> 20) +
+                        " MiB, but " + session.info().name + " allocates at most " + std::to_string(most >> 20) +
+                        " MiB at once, enough for " + std::to_string(most / (plan.nodes / plan.primitives)) +
+                        " primitives; build in parts");
+    }
+}
 
 void OwnMemory::reserve(Session& session, const MemoryPlan& plan) {
     if (plan == plan_) {

@@ -1,6 +1,10 @@
 #include "device/pipeline.hpp"
 
+#include <span>
+#include <vector>
+
 #include "device/bounds.hpp"
+#include "device/lane_self_test.hpp"
 #include "device/layout.hpp"
 #include "device/leaves.hpp"
 #include "device/morton.hpp"
@@ -9,8 +13,22 @@
 namespace clbvh::device {
 namespace {
 
+void prepare_programs(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings) {
+    std::vector<ProgramSpec> stages{bounds_program(settings), morton_program(settings), radix_sort_program(settings),
+                                    layout_program(settings)};
+    // Where the stages' files are one program, it is the same for all builders: drivers that cache it know its text.
+    if (session.joins_programs() || algorithm.box_order == BoxOrder::morton) {
+        stages.push_back(leaves_program(settings));
+    }
+    if (session.joins_programs() && (settings.lane() || settings.sort_shape == Shape::lane)) {
+        stages.push_back(lane_self_test_program());
+    }
+    const ProgramSpec own = algorithm.program(settings);
+    session.prepare({stages, std::span(&own, 1)});
+}
+
 void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
-                   const DeviceMesh& mesh, const BuildBuffers& buffers) {
+                   const DeviceMesh& mesh, const BuildBuffers& buffers, bool asynchronous) {
     launcher.begin_stage("bounds", 0.0);
     launch_bounds(launcher, settings, buffers, mesh);
     launcher.begin_stage("morton", 0.05);
@@ -21,23 +39,56 @@ void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const B
     if (algorithm.box_order == BoxOrder::morton) {
         launch_leaves(launcher, settings, buffers, mesh.active_count);
     }
-    with_opencl_errors("clustering", [&] { algorithm.cluster({launcher, settings, buffers, mesh.active_count}); });
+    with_opencl_errors("clustering", [&] {
+        algorithm.cluster({launcher, settings, buffers, mesh.active_count, asynchronous});
+    });
     launcher.begin_stage("layout", 0.95);
     launch_layout(launcher, settings, buffers, algorithm.box_order);
 }
 
 }  // namespace
 
+BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildOptions& options) {
+    if (session.joins_programs() && session.may_prefer_lane_shape()) {
+        // The kernel that tests the lane shape is built with those that are wanted if it passes.
+        BuildOptions lane = options;
+        for (Shape* const shape : {&lane.shape, &lane.sort_shape}) {
+            if (*shape == Shape::automatic) *shape = Shape::lane;
+        }
+        prepare_programs(session, algorithm, resolve_settings(lane, session));
+    }
+    const BuildSettings settings = resolve_settings(options, session);
+    prepare_programs(session, algorithm, settings);
+    return settings;
+}
+
+MemoryPlan plan_pipeline(const DeviceAlgorithm& algorithm, const BuildSettings& settings, std::uint32_t primitives) {
+    return plan_memory(settings, algorithm.box_order, primitives, algorithm.extra_bytes(settings, primitives));
+}
+
+void enqueue_pipeline(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
+                      const CallerBuild& build) {
+    const bool writes_count = build.active_count.buffer() != nullptr;
+    if (build.mesh.primitive_count == 0) {
+        if (writes_count) launcher.clear_uints(build.active_count.buffer, build.active_count.offset, 1);
+        return;
+    }
+    const BuildBuffers buffers = cut_views(build.memory, build.plan);
+    launch_stages(launcher, algorithm, settings, build.mesh, buffers, true);
+    if (writes_count) {
+        launcher.copy_uint(buffers.leaf_count, build.active_count.buffer, build.active_count.offset);
+    }
+}
+
 BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
                         const ProgressCallback& progress, const DeviceMesh& mesh, OwnMemory& memory) {
-    const MemoryPlan plan = plan_memory(settings, algorithm.box_order, mesh.primitive_count,
-                                        algorithm.extra_bytes(settings, mesh.primitive_count));
+    const MemoryPlan plan = plan_pipeline(algorithm, settings, mesh.primitive_count);
     if (mesh.active_count > 0) {
         memory.reserve(session, plan);
     }
     Launcher launcher(session, progress);
     if (mesh.active_count > 0) {
-        launch_stages(launcher, algorithm, settings, mesh, memory.buffers());
+        launch_stages(launcher, algorithm, settings, mesh, memory.buffers(), false);
     }
     BuildStats stats = launcher.finish();
     stats.peak_device_bytes = mesh.active_count > 0 ? plan.bytes() : 0;

@@ -4,6 +4,27 @@
 
 namespace clbvh::device {
 
+/// Resolves the options, and builds the programs that run_pipeline() will use with them. Throws what resolve_settings
+/// and Session::prepare throw.
+[[nodiscard]] BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm,
+                                             const BuildOptions& options);
+
+/// The memory of a build over `primitives`.
+[[nodiscard]] MemoryPlan plan_pipeline(const DeviceAlgorithm& algorithm, const BuildSettings& settings,
+                                       std::uint32_t primitives);
+
+/// A build in memory of the caller's.
+struct CallerBuild {
+    DeviceMesh mesh;  ///< without primitives nothing is built
+    MemoryPlan plan;
+    BuildMemory memory;
+    Block active_count;  ///< where to put the number of active primitives; may have no buffer
+};
+
+/// Enqueues a build, and waits for nothing that the algorithm need not wait for.
+void enqueue_pipeline(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
+                      const CallerBuild& build);
+
 /// Builds from `mesh` to a finished tree in the nodes and primitive_ids of `memory`, and waits for it. Every device
 /// builder is this chain of stages; `algorithm` is its cluster stage.
 [[nodiscard]] BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings,

@@ -29,13 +29,17 @@ std::uint64_t extra_bytes(const BuildSettings& settings, std::uint32_t) {
     return RangeViews(settings).end;
 }
 
+ProgramSpec program(const BuildSettings& settings) {
+    return {"plocpp_two_level.cl", settings.cluster_group_size,
+            settings.search_defines() + " -D MAX_RANGES=" + std::to_string(most_ranges(settings))};
+}
+
 void cluster(const ClusterJob& job) {
     Launcher& launcher = job.launcher;
     const BuildBuffers& b = job.buffers;
     const std::uint32_t most = most_ranges(job.settings);
-    const std::string defines = job.settings.search_defines() + " -D MAX_RANGES=" + std::to_string(most);
     const auto kernel = [&](std::string_view name) -> Kernel& {
-        return launcher.session().kernel("plocpp_two_level.cl", name, job.settings.cluster_group_size, defines);
+        return launcher.session().kernel(program(job.settings), name);
     };
     const RangeViews views(job.settings);
     const cl::Buffer begins = view_of(b.extra, 0, views.begins_bytes);
@@ -55,6 +59,6 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kPlocppTwoLevel{cluster, extra_bytes};
+const DeviceAlgorithm kPlocppTwoLevel{cluster, extra_bytes, BoxOrder::morton, program};
 
 }  // namespace clbvh::device

@@ -57,7 +57,7 @@ TEST_CASE("options are accepted up to the ends of their ranges") {
     for (const std::uint32_t radius : {1u, 2u, 31u, 32u}) {
         expect_accepted([&](BuildOptions& o) { o.search_radius = radius; });
     }
-    for (const std::uint32_t threshold : {2u, 1u << 20}) {
+    for (const std::uint32_t threshold : {0u, 2u, 1u << 20}) {
         expect_accepted([&](BuildOptions& o) { o.single_group_threshold = threshold; });
     }
     for (const std::uint32_t chunk : {0u, 64u, 128u, 192u, 4096u}) {
@@ -69,13 +69,16 @@ TEST_CASE("options are accepted up to the ends of their ranges") {
     for (const std::uint32_t count : {0u, 1u, 512u}) {
         expect_accepted([&](BuildOptions& o) { o.range_count = count; });
     }
+    for (const std::uint32_t bits : {0u, 33u, 44u, 63u}) {
+        expect_accepted([&](BuildOptions& o) { o.code_bits = bits; });
+    }
 }
 
 TEST_CASE("options beyond their ranges are rejected by name and value") {
     for (const std::uint32_t radius : {0u, 33u, ~0u}) {
         expect_rejected("search_radius", radius, [&](BuildOptions& o) { o.search_radius = radius; });
     }
-    for (const std::uint32_t threshold : {0u, 1u, (1u << 20) + 1}) {
+    for (const std::uint32_t threshold : {1u, (1u << 20) + 1}) {
         expect_rejected("single_group_threshold", threshold,
                         [&](BuildOptions& o) { o.single_group_threshold = threshold; });
     }
@@ -88,6 +91,22 @@ TEST_CASE("options beyond their ranges are rejected by name and value") {
     for (const std::uint32_t count : {513u, ~0u}) {
         expect_rejected("range_count", count, [&](BuildOptions& o) { o.range_count = count; });
     }
+    for (const std::uint32_t bits : {1u, 32u, 43u, 64u}) {
+        expect_rejected("code_bits", bits, [&](BuildOptions& o) { o.code_bits = bits; });
+    }
+}
+
+TEST_CASE("options of H-PLOC are accepted and rejected at the ends of their ranges") {
+    for (const std::uint32_t limit : {0u, 8u, 16u})
+        expect_accepted([&](BuildOptions& o) { o.cluster_limit = limit; });
+    for (const std::uint32_t limit : {1u, 7u, 9u, 15u, 17u, 32u})
+        expect_rejected("cluster_limit", limit, [&](BuildOptions& o) { o.cluster_limit = limit; });
+    for (const std::uint32_t range : {0u, 1u, 1u << 30})
+        expect_accepted([&](BuildOptions& o) { o.small_range = range; });
+    expect_rejected("small_range", (1u << 30) + 1, [](BuildOptions& o) { o.small_range = (1u << 30) + 1; });
+    for (const std::uint32_t limit : {0u, 1u, 8u})
+        expect_accepted([&](BuildOptions& o) { o.small_limit = limit; });
+    expect_rejected("small_limit", 9, [](BuildOptions& o) { o.small_limit = 9; });
 }
 
 TEST_CASE("options of the host's builders and stages are accepted up to the ends of their ranges") {
@@ -143,6 +162,9 @@ TEST_CASE("values that are no enumerators are rejected") {
                     [](BuildOptions& o) { o.neighbour_encoding = static_cast<NeighbourEncoding>(9); });
     expect_rejected("neighbour_search", 255,
                     [](BuildOptions& o) { o.neighbour_search = static_cast<NeighbourSearch>(255); });
+    expect_rejected("hploc_quality", 2, [](BuildOptions& o) { o.hploc_quality = static_cast<HplocQuality>(2); });
+    expect_rejected("hploc_search", 3, [](BuildOptions& o) { o.hploc_search = static_cast<HplocSearch>(3); });
+    expect_rejected("merge_pairs", 3, [](BuildOptions& o) { o.merge_pairs = static_cast<PairMerging>(3); });
 }
 
 TEST_CASE("the first option out of its range is named") {
@@ -164,6 +186,14 @@ TEST_CASE("names of options' values lead back to the values") {
     expect_round_trip(NeighbourSearch::automatic, "auto", neighbour_search_from);
     expect_round_trip(NeighbourSearch::symmetric, "symmetric", neighbour_search_from);
     expect_round_trip(NeighbourSearch::scan, "scan", neighbour_search_from);
+    expect_round_trip(HplocQuality::balanced, "balanced", hploc_quality_from);
+    expect_round_trip(HplocQuality::fast, "fast", hploc_quality_from);
+    expect_round_trip(HplocSearch::automatic, "auto", hploc_search_from);
+    expect_round_trip(HplocSearch::all_pairs, "all-pairs", hploc_search_from);
+    expect_round_trip(HplocSearch::window, "window", hploc_search_from);
+    expect_round_trip(PairMerging::automatic, "auto", pair_merging_from);
+    expect_round_trip(PairMerging::on, "on", pair_merging_from);
+    expect_round_trip(PairMerging::off, "off", pair_merging_from);
 }
 
 TEST_CASE("unknown names lead to nothing") {
@@ -173,5 +203,8 @@ TEST_CASE("unknown names lead to nothing") {
         CHECK_FALSE(morton_code_from(name));
         CHECK_FALSE(neighbour_encoding_from(name));
         CHECK_FALSE(neighbour_search_from(name));
+        CHECK_FALSE(hploc_quality_from(name));
+        CHECK_FALSE(hploc_search_from(name));
+        CHECK_FALSE(pair_merging_from(name));
     }
 }

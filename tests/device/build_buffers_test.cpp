@@ -26,8 +26,10 @@ Session& session() {
 }
 
 MemoryPlan plan(std::uint32_t primitives, std::uint64_t extra_bytes = 0, BoxOrder box_order = BoxOrder::morton,
-                Shape shape = Shape::lane) {
-    return device::plan_memory(settings_of(options_of(shape)), box_order, primitives, extra_bytes);
+                Shape shape = Shape::lane, std::uint32_t code_bits = 0) {
+    BuildOptions options = options_of(shape);
+    options.code_bits = code_bits;
+    return device::plan_memory(settings_of(options), box_order, primitives, extra_bytes);
 }
 
 std::vector<device::Block> blocks(const BuildMemory& m) {
@@ -75,8 +77,9 @@ void expect_apart(const device::Block& parent, std::uint64_t bytes, const std::v
 void expect_views_apart(const BuildMemory& m, const MemoryPlan& p) {
     const device::BuildBuffers b = device::cut_views(m, p);
     const std::uint64_t n = p.primitives;
-    const std::vector<View> sort{
+    const std::vector<View> pairs{
         {"pairs_a", b.pairs_a}, {"pairs_b", b.pairs_b}, {"code_low", b.code_low}, {"code_high", b.code_high}};
+    const std::vector<View> sort = p.packed_keys ? std::vector<View>{{"keys", b.keys}} : pairs;
     expect_apart(m.nodes, p.nodes, {{"nodes", b.nodes}});
     expect_apart(m.references, p.references, {{"codes", b.codes}});
     expect_apart(m.small, p.small,
@@ -88,7 +91,7 @@ void expect_views_apart(const BuildMemory& m, const MemoryPlan& p) {
                   {"morton_parameters", b.morton_parameters},
                   {"leaf_count", b.leaf_count},
                   {"root_reference", b.root_reference},
-                  {"remaining", b.remaining}});
+                  {"cluster_counts", b.cluster_counts}});
     if (p.box_order == BoxOrder::morton) {
         expect_apart(m.inner, p.inner, sort);
         expect_apart(m.inner, p.inner, {{"inner", b.inner}});
@@ -108,7 +111,7 @@ void expect_views_apart(const BuildMemory& m, const MemoryPlan& p) {
     }
     CHECK(size_of(b.nodes) >= 64 * n);
     CHECK(size_of(b.primitive_ids) >= 4 * n);
-    CHECK(size_of(b.pairs_a) == 8 * n);
+    CHECK(size_of(sort.front().buffer) == 8 * n);
     CHECK(size_of(b.codes) == 8 * n);
     CHECK(size_of(b.boxes) >= 24 * n + 8);
     CHECK(size_of(b.counts) >= 4 * BuildBuffers::kMostPieces);
@@ -181,10 +184,13 @@ TEST_CASE("buffers: views that are alive together do not meet, and hold what the
         for (const BoxOrder box_order : {BoxOrder::morton, BoxOrder::input}) {
             for (const std::uint32_t n : {1u, 2u, 1023u, 1024u, 1025u, 100000u}) {
                 INFO(to_string(shape) << ", " << n << (box_order == BoxOrder::input ? ", boxes by primitive" : ""));
-                const MemoryPlan planned = plan(n, 0, box_order, shape);
-                OwnMemory own;
-                own.reserve(session(), planned);
-                expect_views_apart(own.memory(), planned);
+                for (const std::uint32_t code_bits : {44u, 63u}) {  // packed keys, and pairs
+                    const MemoryPlan planned = plan(n, 0, box_order, shape, code_bits);
+                    CHECK(planned.packed_keys == (code_bits < 63));
+                    OwnMemory own;
+                    own.reserve(session(), planned);
+                    expect_views_apart(own.memory(), planned);
+                }
             }
         }
     }
@@ -193,16 +199,11 @@ TEST_CASE("buffers: views that are alive together do not meet, and hold what the
 TEST_CASE("buffers: blocks may be parts of one buffer") {
     for (const BoxOrder box_order : {BoxOrder::morton, BoxOrder::input}) {
         const MemoryPlan planned = plan(3000, 100, box_order);
-        const cl::Buffer all(session().context(), CL_MEM_READ_WRITE, planned.bytes() + 8 * 4096);
-        std::uint64_t end = 4096;
-        const auto block = [&](std::uint64_t bytes) {
-            const std::uint64_t begin = end;
-            end += device::align_for_views(bytes);
-            return device::Block{all, begin};
-        };
-        const BuildMemory memory{block(planned.nodes), block(planned.primitive_ids), block(planned.leaves),
-                                 block(planned.inner), block(planned.references),    block(planned.small),
-                                 block(planned.extra)};
+        const std::uint64_t ids_at = 4096 + device::align_for_views(planned.nodes);
+        const std::uint64_t scratch_at = ids_at + device::align_for_views(planned.primitive_ids);
+        const cl::Buffer all(session().context(), CL_MEM_READ_WRITE, scratch_at + planned.scratch_bytes());
+        const BuildMemory memory = device::cut_scratch({all, 4096}, {all, ids_at}, {all, scratch_at}, planned);
+        CHECK(planned.scratch_bytes() >= planned.bytes() - planned.nodes - planned.primitive_ids);
         expect_views_apart(memory, planned);
     }
 }

@@ -1,11 +1,13 @@
 // What automatic options become on devices of all kinds. The devices are this machine's, said to be something else.
 #include "device/build_settings.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
 
 #include "clbvh/core/build_options.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
+#include "support/hploc_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -86,6 +88,27 @@ TEST_CASE("settings: the automatic shape is lane on CPUs that pass the self-test
         CHECK(resolve(options, gpu(64)).sort_shape == shape);
         CHECK(resolve(options, gpu(64)).shape == Shape::group);
     }
+}
+
+TEST_CASE("settings: packed keys give the code the bits that the index leaves") {
+    const BuildSettings settings = resolve({}, cpu(2048));
+    CHECK(settings.packed_keys());
+    for (const auto& [primitives, index_bits, code_bits] : std::vector<std::array<std::uint32_t, 3>>{
+             {1, 0, 44}, {2, 1, 44}, {3, 2, 44}, {1 << 20, 20, 44}, {(1 << 20) + 1, 21, 43}, {(1 << 30) - 1, 30, 34}}) {
+        INFO(primitives);
+        CHECK(settings.key_layout(primitives).index_bits == index_bits);
+        CHECK(settings.key_layout(primitives).code_bits == code_bits);
+    }
+    BuildOptions options;
+    options.code_bits = 33;
+    CHECK(resolve(options, cpu(2048)).key_layout(1 << 30).code_bits == 33);
+    options = {};
+    options.hploc_quality = HplocQuality::fast;
+    CHECK(resolve(options, cpu(2048)).key_layout(1000).code_bits == 33);
+    options.code_bits = 44;
+    CHECK(resolve(options, cpu(2048)).key_layout(1000).code_bits == 44);
+    options.code_bits = 63;
+    CHECK_FALSE(resolve(options, cpu(2048)).packed_keys());
 }
 
 TEST_CASE("settings: automatic searches are symmetric on GPUs and scans on CPUs") {
@@ -182,6 +205,28 @@ TEST_CASE("settings: Morton ranges are as many as asked for, else the same in bo
         CHECK(group >= 256);
         CHECK(group <= 512);
     }
+}
+
+TEST_CASE("settings: H-PLOC's presets fill in what is left to them") {
+    const auto defines = [](const BuildOptions& options) { return resolve(options, gpu(64)).hploc_defines(); };
+    const HplocOracleOptions balanced = hploc_oracle_options({});
+    BuildOptions options;
+    CHECK(resolve(options, gpu(64)).hploc.cluster_limit == balanced.cluster_limit);
+    CHECK(resolve(options, gpu(64)).hploc.merge_pairs == balanced.merge_pairs);
+    CHECK(resolve(options, gpu(64)).hploc.window == 0);
+    options.hploc_quality = HplocQuality::fast;
+    CHECK(resolve(options, gpu(64)).hploc.small_range == hploc_oracle_options(options).small_range);
+    CHECK(resolve(options, gpu(64)).hploc.small_range > 1);
+    CHECK(defines(options) != defines({}));
+    options.cluster_limit = 8;
+    options.small_range = 5;
+    options.small_limit = 3;
+    options.merge_pairs = PairMerging::off;
+    options.hploc_search = HplocSearch::window;
+    options.search_radius = 32;
+    CHECK(
+        defines(options).starts_with(" -D CLUSTER_LIMIT=8 -D SMALL_RANGE=5 -D SMALL_LIMIT=3 -D MERGE_PAIRS=0 "
+                                     "-D HPLOC_WINDOW=31"));
 }
 
 TEST_CASE("settings: what they let pass, the compiler fits in local memory") {

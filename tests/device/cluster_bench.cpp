@@ -85,7 +85,9 @@ std::vector<Node> run_first_round(const device::DeviceAlgorithm& algorithm, Buil
                                   const MortonOrder& order) {
     std::size_t rounds = 0;
     options.single_group_threshold = 2;
-    StageBench bench(settings_of(options), order.bounds.size(), &algorithm,
+    device::BuildSettings settings = settings_of(options);
+    settings.iterations_in_flight = 1;
+    StageBench bench(settings, order.bounds.size(), &algorithm,
                      [&](const Progress& progress) { return progress.fraction == 0.0 || ++rounds < 2; });
     prepare(bench, order);
     CHECK_THROWS_AS(cluster(bench, algorithm, order.bounds.size()), Error);

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cctype>
-#include <cstdlib>
 #include <optional>
 
 #include "clbvh/builder.hpp"
+#include "support/environment_variable.hpp"
 #include "support/expect_error.hpp"
 
 using namespace clbvh;
@@ -16,19 +16,9 @@ using namespace clbvh::test;
 namespace {
 
 /// CLBVH_DEVICE set to something else, or unset, as long as this lives.
-class DeviceVariable {
+class DeviceVariable : public EnvironmentVariable {
 public:
-    explicit DeviceVariable(const char* value) {
-        if (const char* const old = std::getenv(kName)) old_ = old;
-        value != nullptr ? setenv(kName, value, 1) : unsetenv(kName);
-    }
-    DeviceVariable(const DeviceVariable&) = delete;
-    DeviceVariable& operator=(const DeviceVariable&) = delete;
-    ~DeviceVariable() { old_ ? setenv(kName, old_->c_str(), 1) : unsetenv(kName); }
-
-private:
-    static constexpr const char* kName = "CLBVH_DEVICE";
-    std::optional<std::string> old_;
+    explicit DeviceVariable(const char* value) : EnvironmentVariable("CLBVH_DEVICE", value) {}
 };
 
 std::string upper_case(std::string text) {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <map>
 #include <span>
+#include <sstream>
 #include <vector>
 
 #include "device/session.hpp"
@@ -62,11 +64,11 @@ struct BuiltProgram {
     std::string log;
 };
 
-/// Builds the file with these options, warnings being errors.
-BuiltProgram build_alone(const std::string& file, const std::string& options) {
+/// Builds the files as one program with these options, warnings being errors.
+BuiltProgram build_together(std::span<const std::string_view> files, const std::string& options) {
     const device::Session& session = shared_context().session();
     const cl::Device device(static_cast<cl_device_id>(session.info().id), true);
-    BuiltProgram built{cl::Program(session.context(), device::kernel_source(file)), {}};
+    BuiltProgram built{cl::Program(session.context(), device::kernel_source(files)), {}};
     try {
         built.program.build(device, ("-cl-std=CL1.2 -Werror " + options).c_str());
     } catch (const cl::Error& error) {
@@ -75,10 +77,25 @@ BuiltProgram build_alone(const std::string& file, const std::string& options) {
     return built;
 }
 
+/// The defaults of a file, not of what it includes: from the names of its sizes to their values.
+std::map<std::string, std::string> defaults_of(std::string_view file) {
+    std::map<std::string, std::string> defaults;
+    std::string optional;
+    for (const std::string& line : lines_of(embedded(file))) {
+        std::istringstream words(line);
+        std::string word, name, value;
+        words >> word >> name;
+        if (word == "#define" && name == optional && std::getline(words, value)) defaults[name] = value;
+        optional = word == "#ifndef" ? name : "";
+    }
+    return defaults;
+}
+
 /// Checks that the file builds, and that its kernels demand work groups of this size.
 void expect_kernels(const std::string& file, const std::string& options, std::size_t work_group_size) {
     INFO(file << " with '" << options << "'");
-    BuiltProgram built = build_alone(file, options);
+    const std::string_view files[] = {file};
+    BuiltProgram built = build_together(files, options);
     CHECK(built.log == "");
     if (!built.log.empty()) return;
     std::vector<cl::Kernel> kernels;
@@ -134,4 +151,20 @@ TEST_CASE("kernel source: each program compiles alone, without a warning, in bot
         expect_kernels(file, "-D WORK_GROUP_SIZE=256", 256);
         expect_kernels(file, "-D WORK_GROUP_SIZE=1", 1);
     }
+}
+
+TEST_CASE("kernel source: the files that every builder uses can be one program") {
+    const std::string_view files[] = {"bounds.cl", "morton.cl", "radix_sort.cl",
+                                      "layout.cl", "leaves.cl", "lane_self_test.cl"};
+    for (const char* const options : {"-D WORK_GROUP_SIZE=1", "-D WORK_GROUP_SIZE=256"})
+        CHECK(build_together(files, options).log == "");
+    // Where two files have a size of the same name, the first one's default is that of both.
+    std::map<std::string, std::string> seen;
+    for (const std::string_view file : files) {
+        for (const auto& [name, value] : defaults_of(file)) {
+            INFO(name << " of " << file);
+            CHECK(seen.emplace(name, value).first->second == value);
+        }
+    }
+    CHECK(seen.size() >= 3);
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <random>
 
+#include "device/radix_sort.hpp"
 #include "device/stage_bench.hpp"
 #include "support/builders.hpp"
 #include "support/morton_oracle.hpp"
@@ -57,24 +58,28 @@ std::vector<std::uint64_t> expected_codes(const Boxes& boxes, MortonCode code) {
     return codes;
 }
 
-BuildOptions morton_options(MortonCode code, Shape shape) {
+BuildOptions morton_options(MortonCode code, Shape shape, std::uint32_t code_bits) {
     BuildOptions options = options_of(shape);
+    options.sort_shape = shape;
     options.morton_code = code;
+    options.code_bits = code_bits;
     return options;
 }
 
-/// What launch_morton leaves: its code halves, put together. Checks that the pairs agree with them.
-std::vector<std::uint64_t> run_morton(const Boxes& boxes, const device::BuildSettings& settings) {
-    StageBench bench(settings, boxes.size());
+void launch_on(StageBench& bench, const Boxes& boxes) {
     const SceneBounds scene = scene_bounds(active_boxes(boxes));
     write(bench.buffers.bounds, std::vector<Aabb>{scene.primitives, scene.doubled_centroids});
     std::vector<Aabb> values;
     for (const std::optional<Aabb>& box : boxes)
         values.push_back(box.value_or(Aabb{{kNan, kNan, kNan}, {kNan, kNan, kNan}}));
     write(bench.buffers.boxes, values);
-
     device::launch_morton(bench.launcher, bench.settings, bench.buffers, static_cast<std::uint32_t>(boxes.size()));
+}
 
+/// The codes that launch_morton leaves for pairs, put together from their halves. Checks that the pairs agree.
+std::vector<std::uint64_t> run_morton(const Boxes& boxes, const device::BuildSettings& settings) {
+    StageBench bench(settings, boxes.size());
+    launch_on(bench, boxes);
     const auto pairs = read<Pair>(bench.buffers.pairs_a, boxes.size());
     const auto low = read<std::uint32_t>(bench.buffers.code_low, boxes.size());
     const auto high = read<std::uint32_t>(bench.buffers.code_high, boxes.size());
@@ -88,19 +93,69 @@ std::vector<std::uint64_t> run_morton(const Boxes& boxes, const device::BuildSet
     return codes;
 }
 
+/// Of each piece of the sort, how many keys have which first digit: lane shape, piece by piece; group, digit by digit.
+std::vector<std::uint32_t> first_digit_counts(const std::vector<std::uint64_t>& keys,
+                                              const device::BuildSettings& settings) {
+    const auto size = static_cast<std::uint32_t>(keys.size());
+    const device::Pieces pieces = settings.sort_pieces(size);
+    const std::uint32_t digits = 1u << settings.sort_digit_bits();
+    std::vector<std::uint32_t> counts(digits * pieces.count);
+    for (std::uint32_t i = 0; i < size; ++i) {
+        const std::uint64_t digit = (keys[i] >> settings.key_layout(size).index_bits) % digits;
+        const std::uint64_t piece = i / pieces.length;
+        const bool lane = settings.sort_shape == Shape::lane;
+        ++counts[lane ? piece * digits + digit : digit * pieces.count + piece];
+    }
+    return counts;
+}
+
+std::vector<std::uint64_t> expected_keys(const Boxes& boxes, const device::BuildSettings& settings) {
+    const auto size = static_cast<std::uint32_t>(boxes.size());
+    std::vector<std::uint32_t> ids;
+    for (std::uint32_t i = 0; i < size; ++i) {
+        if (boxes[i]) ids.push_back(i);
+    }
+    const std::vector<std::uint64_t> active =
+        packed_keys(morton_codes(active_boxes(boxes), settings.morton_code), ids, size, settings.code_bits);
+    const device::KeyLayout layout = settings.key_layout(size);
+    std::vector<std::uint64_t> keys;
+    for (std::uint64_t i = 0, next = 0; i < size; ++i) {
+        const std::uint64_t inactive = ((std::uint64_t{1} << layout.code_bits) - 1) << layout.index_bits | i;
+        keys.push_back(boxes[i] ? active[next++] : inactive);
+    }
+    return keys;
+}
+
+template <typename T>
+std::ptrdiff_t same_values(const std::vector<T>& a, const std::vector<T>& b) {
+    return std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first - a.begin();
+}
+
 void expect_host_codes(const Boxes& boxes, const device::BuildSettings& settings, const std::string& where) {
     INFO(where << ", " << boxes.size() << " boxes, " << to_string(settings.morton_code) << ", "
-               << to_string(settings.shape));
-    const std::vector<std::uint64_t> expected = expected_codes(boxes, settings.morton_code);
-    const std::vector<std::uint64_t> codes = run_morton(boxes, settings);
-    const auto different = std::mismatch(codes.begin(), codes.end(), expected.begin()).first;
-    CHECK(different - codes.begin() == static_cast<std::ptrdiff_t>(codes.size()));
+               << to_string(settings.shape) << ", code_bits " << settings.code_bits);
+    if (!settings.packed_keys()) {
+        CHECK(same_values(expected_codes(boxes, settings.morton_code), run_morton(boxes, settings)) ==
+              static_cast<std::ptrdiff_t>(boxes.size()));
+        return;
+    }
+    const auto size = static_cast<std::uint32_t>(boxes.size());
+    const std::vector<std::uint64_t> keys = expected_keys(boxes, settings);
+    const std::vector<std::uint32_t> counts = first_digit_counts(keys, settings);
+    StageBench bench(settings, boxes.size());
+    launch_on(bench, boxes);
+    const auto launched = read<std::uint64_t>(device::unsorted_keys(settings, bench.buffers, size), boxes.size());
+    CHECK(same_values(keys, launched) == static_cast<std::ptrdiff_t>(keys.size()));
+    const auto counted = read<std::uint32_t>(bench.buffers.counts, counts.size());
+    CHECK(same_values(counts, counted) == static_cast<std::ptrdiff_t>(counts.size()));
 }
 
 void expect_host_codes(const Boxes& boxes, const std::string& where) {
     for (const MortonCode code : {MortonCode::xyz, MortonCode::extended}) {
-        for (const Shape shape : kBothShapes)
-            expect_host_codes(boxes, settings_of(morton_options(code, shape)), where);
+        for (const Shape shape : kBothShapes) {
+            for (const std::uint32_t code_bits : {33u, 44u, 63u})
+                expect_host_codes(boxes, settings_of(morton_options(code, shape, code_bits)), where);
+        }
     }
 }
 
@@ -123,7 +178,7 @@ TEST_CASE("morton: the corners of a cube have the codes that bits on paper give"
     constexpr std::uint64_t every_third = 0x1249249249249249;
     for (const Shape shape : kBothShapes) {
         const std::vector<std::uint64_t> codes =
-            run_morton(corners, settings_of(morton_options(MortonCode::xyz, shape)));
+            run_morton(corners, settings_of(morton_options(MortonCode::xyz, shape, 63)));
         for (std::uint64_t i = 0; i < 8; ++i)
             CHECK(codes[i] == i * every_third);
     }
@@ -170,21 +225,24 @@ TEST_CASE("morton: sizes from a point to the scene decide the extended code's si
     }
     expect_host_codes(boxes, "concentric boxes");
     const std::vector<std::uint64_t> codes =
-        run_morton(boxes, settings_of(morton_options(MortonCode::extended, Shape::lane)));
+        run_morton(boxes, settings_of(morton_options(MortonCode::extended, Shape::lane, 63)));
     CHECK(codes[0] > codes[1]);
     CHECK(codes[1] > codes[2]);
 }
 
 TEST_CASE("morton: small work groups, and as many pieces as a large device takes") {
     for (const MortonCode code : {MortonCode::xyz, MortonCode::extended}) {
-        for (const Shape shape : kBothShapes) {
-            const BuildOptions options = morton_options(code, shape);
-            expect_host_codes(random_boxes(300000, {1, 2, 3}, {1, 1, 1}), large_device_settings(options), "a box");
-        }
-        for (const std::size_t largest_group : {32, 128}) {
-            const BuildOptions options = morton_options(code, Shape::group);
-            expect_host_codes(random_boxes(5000, {1, 2, 3}, {1, 1, 1}), small_group_settings(options, largest_group),
-                              "groups of " + std::to_string(largest_group));
+        for (const std::uint32_t code_bits : {44u, 63u}) {
+            for (const Shape shape : kBothShapes) {
+                const BuildOptions options = morton_options(code, shape, code_bits);
+                expect_host_codes(random_boxes(300000, {1, 2, 3}, {1, 1, 1}), large_device_settings(options), "a box");
+            }
+            for (const std::size_t largest_group : {32, 128}) {
+                const BuildOptions options = morton_options(code, Shape::group, code_bits);
+                expect_host_codes(random_boxes(5000, {1, 2, 3}, {1, 1, 1}),
+                                  small_group_settings(options, largest_group),
+                                  "groups of " + std::to_string(largest_group));
+            }
         }
     }
 }

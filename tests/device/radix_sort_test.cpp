@@ -67,7 +67,7 @@ Codes make_codes(const KeyPattern& pattern, std::uint32_t size) {
     return codes;
 }
 
-void upload_codes(const device::BuildBuffers& buffers, const Codes& codes) {
+void upload_pairs(const device::BuildBuffers& buffers, const Codes& codes) {
     std::vector<Pair> pairs;
     std::vector<std::uint32_t> low, high;
     for (std::uint32_t i = 0; i < codes.size(); ++i) {
@@ -80,39 +80,65 @@ void upload_codes(const device::BuildBuffers& buffers, const Codes& codes) {
     write(buffers.code_high, high);
 }
 
-BuildOptions sort_options(Shape shape) {
+BuildOptions sort_options(Shape shape, std::uint32_t code_bits) {
     BuildOptions options = options_of(shape);
     options.sort_shape = shape;
+    options.code_bits = code_bits;
     return options;
+}
+
+/// The leading bits of `code`, above the index.
+std::uint64_t packed_key(std::uint64_t code, std::uint64_t i, const device::KeyLayout& layout) {
+    return code >> (64 - layout.code_bits) << layout.index_bits | i;
 }
 
 /// Sorts on `bench`, which may have room for more, and compares.
 void expect_stable_order(StageBench& bench, const Codes& codes) {
+    const auto size = static_cast<std::uint32_t>(codes.size());
+    Codes keys = codes;
+    if (bench.settings.packed_keys()) {
+        for (std::uint32_t i = 0; i < size; ++i)
+            keys[i] = packed_key(codes[i], i, bench.settings.key_layout(size));
+        write(device::unsorted_keys(bench.settings, bench.buffers, size), keys);
+        device::launch_count_keys(bench.launcher, bench.settings, bench.buffers, size);
+    } else {
+        upload_pairs(bench.buffers, codes);
+    }
     std::vector<std::uint32_t> order(codes.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return codes[i]; });
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return keys[i]; });
     Codes sorted;
     for (const std::uint32_t i : order)
-        sorted.push_back(codes[i]);
+        sorted.push_back(keys[i]);
 
-    upload_codes(bench.buffers, codes);
-    device::launch_radix_sort(bench.launcher, bench.settings, bench.buffers, static_cast<std::uint32_t>(codes.size()));
+    device::launch_radix_sort(bench.launcher, bench.settings, bench.buffers, size);
     const bool same_order = read<std::uint32_t>(bench.buffers.primitive_ids, codes.size()) == order;
-    const bool same_codes = read<std::uint64_t>(bench.buffers.codes, codes.size()) == sorted;
+    const bool same_keys = read<std::uint64_t>(bench.buffers.codes, codes.size()) == sorted;
     CHECK(same_order);
-    CHECK(same_codes);
+    CHECK(same_keys);
+}
+
+/// Calls `check` with options of both shapes, for packed keys and for pairs.
+template <typename Check>
+void for_each_sort(Check check) {
+    for (const Shape shape : kBothShapes) {
+        for (const std::uint32_t code_bits : {33u, 44u, 63u}) {
+            INFO(to_string(shape) << ", code_bits " << code_bits);
+            check(sort_options(shape, code_bits));
+        }
+    }
 }
 
 void expect_stable_order(const std::vector<KeyPattern>& patterns, const std::vector<std::uint32_t>& sizes) {
-    for (const Shape shape : kBothShapes) {
-        StageBench bench(settings_of(sort_options(shape)), std::ranges::max(sizes));
+    for_each_sort([&](const BuildOptions& options) {
+        StageBench bench(settings_of(options), std::ranges::max(sizes));
         for (const std::uint32_t size : sizes) {
             for (const KeyPattern& pattern : patterns) {
-                INFO(to_string(shape) << ", " << size << " pairs: " << pattern.name);
+                INFO(size << " elements: " << pattern.name);
                 expect_stable_order(bench, make_codes(pattern, size));
             }
         }
-    }
+    });
 }
 
 }  // namespace
@@ -138,26 +164,32 @@ TEST_CASE("sort: sizes around the number of pieces times a tile") {
 }
 
 TEST_CASE("sort: nothing to sort leaves the results alone") {
-    for (const Shape shape : kBothShapes) {
-        StageBench bench(settings_of(sort_options(shape)), 100);
+    for_each_sort([](const BuildOptions& options) {
+        StageBench bench(settings_of(options), 100);
         fill_bytes(bench.buffers.primitive_ids, 0x5a);
         expect_stable_order(bench, {});
         CHECK(read<std::uint32_t>(bench.buffers.primitive_ids, 100) == std::vector<std::uint32_t>(100, 0x5a5a5a5a));
-    }
+    });
 }
 
 TEST_CASE("sort: small work groups, and as many pieces as a large device takes") {
     for (const KeyPattern& pattern : key_patterns()) {
         INFO(pattern.name);
-        for (const std::size_t largest_group : {32, 64, 128}) {
-            StageBench bench(small_group_settings(sort_options(Shape::group), largest_group), 9000);
-            expect_stable_order(bench, make_codes(pattern, 9000));
-        }
-        for (const Shape shape : kBothShapes) {
-            StageBench bench(large_device_settings(sort_options(shape)), 50000);
-            expect_stable_order(bench, make_codes(pattern, 50000));
+        const Codes codes = make_codes(pattern, 50000);
+        for_each_sort([&](const BuildOptions& options) {
+            StageBench bench(large_device_settings(options), codes.size());
+            expect_stable_order(bench, codes);
+        });
+        for (const std::uint32_t code_bits : {44u, 63u}) {
+            for (const std::size_t largest_group : {32, 64, 128}) {
+                StageBench bench(small_group_settings(sort_options(Shape::group, code_bits), largest_group), 9000);
+                expect_stable_order(bench, make_codes(pattern, 9000));
+            }
         }
     }
-    StageBench most_pieces(large_device_settings(sort_options(Shape::group)), 1025 * 1024);
-    expect_stable_order(most_pieces, make_codes(key_patterns().front(), 1025 * 1024));
+    const Codes codes = make_codes(key_patterns().front(), 1025 * 1024);
+    for (const std::uint32_t code_bits : {44u, 63u}) {
+        StageBench most_pieces(large_device_settings(sort_options(Shape::group, code_bits)), codes.size());
+        expect_stable_order(most_pieces, codes);
+    }
 }

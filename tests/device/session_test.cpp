@@ -2,6 +2,7 @@
 #include "device/session.hpp"
 
 #include <catch2/catch.hpp>
+#include <span>
 
 #include "clbvh/builder.hpp"
 #include "support/builders.hpp"
@@ -87,6 +88,51 @@ TEST_CASE("session: kernels and files that do not exist are errors that name the
     CHECK(number_leaves(session, 1).name == "number_leaves");
 }
 
+TEST_CASE("session: what was prepared is not built again, and files of a group are one program where that is cheaper") {
+    Session session(shared_context().device());
+    const device::ProgramSpec layout{"layout.cl", 1, ""};
+    const device::ProgramSpec self_test{"lane_self_test.cl", 1, ""};
+    const device::ProgramSpec group[] = {layout, self_test, {"leaves.cl", 64, ""}};
+    const device::ProgramSpec own{"lbvh.cl", 1, ""};
+    const bool joined = session.joins_programs();
+    CHECK(joined == (shared_context().device().platform == "Portable Computing Language"));
+    session.prepare({group, std::span(&own, 1)});
+    CHECK(session.program_count() == (joined ? 3 : 4));
+    const auto program_of = [&](const device::ProgramSpec& spec, std::string_view name) {
+        return session.kernel(spec, name).kernel.getInfo<CL_KERNEL_PROGRAM>()();
+    };
+    CHECK((program_of(layout, "write_root") == program_of(self_test, "lane_self_test")) == joined);
+    CHECK(program_of(own, "build_pieces") != program_of(layout, "write_root"));
+    session.prepare({group});
+    CHECK(session.program_count() == (joined ? 3 : 4));
+    CHECK(program_of({"layout.cl", 64, ""}, "write_root") != program_of(layout, "write_root"));
+    CHECK(session.program_count() == (joined ? 4 : 5));
+}
+
+TEST_CASE("session: a program that does not build keeps none of its group, and names its files") {
+    Session session(shared_context().device());
+    const device::ProgramSpec group[] = {{"layout.cl", 1, " -D SEARCH_RADIUS=not_a_number"},
+                                         {"plocpp.cl", 1, " -D SEARCH_RADIUS=not_a_number"}};
+    expect_error(ErrorCode::device_failure, {"kernels/plocpp.cl", "not_a_number"}, [&] { session.prepare({group}); });
+    CHECK(session.program_count() == 0);
+    CHECK(number_leaves(session, 1).name == "number_leaves");
+}
+
+TEST_CASE("session: a builder builds its programs when it is made, none when it runs") {
+    const Mesh mesh = random_triangles(500);
+    for (const std::string_view id : device_builders()) {
+        for (const Shape shape : {Shape::automatic, Shape::group, Shape::lane}) {
+            INFO(id << ", " << to_string(shape));
+            const Context context = Context::open();
+            Builder builder(id, context, options_of(shape));
+            const std::size_t made = context.session().program_count();
+            (void)builder.build(mesh);
+            CHECK(context.session().program_count() == made);
+            if (context.session().joins_programs()) CHECK(made == (shape == Shape::group ? 3 : 2));
+        }
+    }
+}
+
 TEST_CASE("session: only CPUs prefer the lane shape") {
     DeviceInfo info = shared_context().device();
     info.type = DeviceType::gpu;
@@ -130,15 +176,20 @@ TEST_CASE("session: an adopted queue outlives the caller's handles") {
     CHECK(expect_same_tree_on(adopted.opencl_queue()).launches > 0);
 }
 
-TEST_CASE("session: no queue and queues out of order are refused") {
+TEST_CASE("session: no queue is refused") {
     expect_error(ErrorCode::invalid_input, {"null"}, [] { (void)Context::adopt(nullptr); });
+}
+
+TEST_CASE("session: a queue out of order builds the same tree, with device times where it profiles") {
     const auto supported = real_device().getInfo<CL_DEVICE_QUEUE_PROPERTIES>();
     if ((supported & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE) == 0) {
         WARN("SKIPPED: the device has no queues out of order");
         return;
     }
     const cl::Context context(real_device());
-    const cl::CommandQueue queue(context, real_device(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
-    expect_error(ErrorCode::unsupported, {"out of order", "CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE"},
-                 [&] { (void)Context::adopt(queue()); });
+    const cl::CommandQueue plain(context, real_device(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+    CHECK(device_ms(expect_same_tree_on(plain())) == 0.0);
+    const cl::CommandQueue profiling(context, real_device(),
+                                     CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE | CL_QUEUE_PROFILING_ENABLE);
+    CHECK(device_ms(expect_same_tree_on(profiling())) > 0.0);
 }

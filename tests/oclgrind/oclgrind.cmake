@@ -7,7 +7,9 @@
 function(run_in_oclgrind report)
   file(REMOVE ${LOG})
   set(ENV{CLBVH_DEVICE} Oclgrind)
-  execute_process(COMMAND ${OCLGRIND} --num-threads 1 --local-mem-size 65536 ${CHECKS} --log ${LOG} ${ARGN}
+  set(ENV{CLBVH_CACHE} off)
+  set(ENV{CLBVH_PROFILE} off)
+  execute_process(COMMAND ${OCLGRIND} --num-threads 1 --local-mem-size 2097152 ${CHECKS} --log ${LOG} ${ARGN}
     OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE result)
   if(NOT result EQUAL 0)
     message(FATAL_ERROR "${ARGN} ended with ${result} under Oclgrind:\n${output}")

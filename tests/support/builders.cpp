@@ -48,9 +48,9 @@ BuildOptions options_of(Shape shape, std::uint32_t radius) {
 
 bool expect_oracle_tree(const Builder& builder, const Bvh& bvh, const Mesh& mesh, const std::string& where) {
     const BuildOptions& options = builder.options();
-    INFO(builder.info().id << ", " << to_string(options.shape) << ", radius " << options.search_radius << ", "
-                           << where);
-    const MortonOrder order = morton_order(mesh, options.morton_code);
+    INFO(builder.info().id << ", " << to_string(options.shape) << ", radius " << options.search_radius << ", code_bits "
+                           << options.code_bits << ", " << where);
+    const MortonOrder order = morton_order(mesh, options);
     const Bvh expected = oracle_tree(builder.info().id, order, options).bvh;
     const std::string difference = compare_trees(expected, bvh);
     const std::string fault = validate(bvh, mesh).error;

@@ -9,7 +9,8 @@
 namespace clbvh::test {
 namespace {
 
-constexpr std::size_t kCodeBits = 63;
+constexpr std::uint32_t kCodeBits = 63;
+constexpr std::uint32_t kDefaultCodeBits = 44;
 constexpr std::size_t kSizeChannel = 3;
 
 /// Which channel each bit of a code comes from, the most significant first: an axis, or the primitive's size.
@@ -127,9 +128,25 @@ std::vector<std::uint64_t> morton_codes(std::span<const Aabb> bounds, MortonCode
     return codes;
 }
 
-MortonOrder morton_order(const Mesh& mesh, MortonCode code) {
+std::vector<std::uint64_t> packed_keys(std::span<const std::uint64_t> codes, std::span<const std::uint32_t> ids,
+                                       std::uint64_t count, std::uint32_t code_bits) {
+    std::uint32_t id_bits = 0;
+    while (std::uint64_t{1} << id_bits < count)
+        ++id_bits;
+    const std::uint32_t kept = std::min(code_bits, 64 - id_bits);
+    const std::uint64_t largest = (std::uint64_t{1} << kept) - 2;
+    std::vector<std::uint64_t> keys;
+    for (std::size_t i = 0; i < codes.size(); ++i)
+        keys.push_back(std::min(codes[i] >> (kCodeBits - kept), largest) << id_bits | ids[i]);
+    return keys;
+}
+
+MortonOrder morton_order(const Mesh& mesh, MortonCode code, std::uint32_t code_bits) {
     const ActivePrimitives active = active_primitives(mesh);
-    const std::vector<std::uint64_t> codes = morton_codes(active.bounds, code);
+    std::vector<std::uint64_t> codes = morton_codes(active.bounds, code);
+    if (code_bits != kCodeBits) {
+        codes = packed_keys(codes, active.ids, mesh.triangles.size(), code_bits == 0 ? kDefaultCodeBits : code_bits);
+    }
     std::vector<std::size_t> order(codes.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return codes[a] < codes[b]; });
@@ -142,6 +159,11 @@ MortonOrder morton_order(const Mesh& mesh, MortonCode code) {
         sorted.bounds.push_back(active.bounds[i]);
     }
     return sorted;
+}
+
+MortonOrder morton_order(const Mesh& mesh, const BuildOptions& options) {
+    const bool is_fast = options.code_bits == 0 && options.hploc_quality == HplocQuality::fast;
+    return morton_order(mesh, options.morton_code, is_fast ? 33 : options.code_bits);
 }
 
 }  // namespace clbvh::test

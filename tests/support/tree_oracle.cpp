@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "support/hploc_oracle.hpp"
+
 namespace clbvh::test {
 namespace {
 
@@ -97,22 +99,6 @@ struct Range {
     [[nodiscard]] std::uint32_t size() const { return end - begin; }
 };
 
-/// Where the right part of a range of at least two positions begins: where the highest bit that differs within it turns
-/// to one. Bits of the position follow those of the code.
-std::uint32_t split_position(const std::vector<std::uint64_t>& codes, Range range) {
-    const std::uint32_t last = range.end - 1;
-    const std::uint64_t difference = codes[range.begin] ^ codes[last];
-    if (difference == 0) {
-        const int shift = std::bit_width(range.begin ^ last) - 1;
-        return (last >> shift) << shift;
-    }
-    const std::uint64_t bit = std::bit_floor(difference);
-    std::uint32_t split = range.begin;
-    while ((codes[split] & bit) == 0)
-        ++split;
-    return split;
-}
-
 std::vector<Range> split_ranges(const MortonOrder& order, std::uint32_t radius, std::uint32_t range_count) {
     std::vector<Range> ranges{{0, static_cast<std::uint32_t>(order.codes.size())}};
     for (;;) {
@@ -123,7 +109,7 @@ std::vector<Range> split_ranges(const MortonOrder& order, std::uint32_t radius, 
         std::vector<Range> next;
         for (const Range& range : ranges) {
             if (2 * range.size() > largest && range.size() > radius) {
-                const std::uint32_t split = split_position(order.codes, range);
+                const std::uint32_t split = split_position(order.codes, range.begin, range.end);
                 next.push_back({range.begin, split});
                 next.push_back({split, range.end});
             } else {
@@ -141,6 +127,22 @@ Clusters make_leaves(const MortonOrder& order, Range range) {
     return clusters;
 }
 
+}  // namespace
+
+std::uint32_t split_position(const std::vector<std::uint64_t>& codes, std::uint32_t begin, std::uint32_t end) {
+    const std::uint32_t last = end - 1;
+    const std::uint64_t difference = codes[begin] ^ codes[last];
+    if (difference == 0) {
+        const int shift = std::bit_width(begin ^ last) - 1;
+        return (last >> shift) << shift;
+    }
+    const std::uint64_t bit = std::bit_floor(difference);
+    std::uint32_t split = begin;
+    while ((codes[split] & bit) == 0)
+        ++split;
+    return split;
+}
+
 OracleTree empty_tree(const MortonOrder& order) {
     OracleTree tree;
     tree.bvh.primitive_count = order.primitive_count;
@@ -148,8 +150,6 @@ OracleTree empty_tree(const MortonOrder& order) {
     tree.bvh.nodes.resize(2 * order.ids.size());
     return tree;
 }
-
-}  // namespace
 
 OracleTree ploc_tree(const MortonOrder& order, std::uint32_t radius, Comparison comparison) {
     return two_level_tree(order, radius, comparison, 1);
@@ -189,7 +189,7 @@ OracleTree lbvh_tree(const MortonOrder& order) {
             nodes[slot] = make_node(order.bounds[range.begin], range.begin, 1);
             continue;
         }
-        const std::uint32_t split = split_position(order.codes, range);
+        const std::uint32_t split = split_position(order.codes, range.begin, range.end);
         nodes[slot].first = 2 * split;
         inner_slots.push_back(slot);
         tasks.push_back({{range.begin, split}, 2 * split});
@@ -210,6 +210,7 @@ OracleTree oracle_tree(std::string_view builder_id, const MortonOrder& order, co
         return two_level_tree(order, options.search_radius, comparison, options.range_count);
     }
     if (builder_id == "lbvh") return lbvh_tree(order);
+    if (builder_id == "hploc") return hploc_tree(order, hploc_oracle_options(options));
     throw std::logic_error("no oracle for builder " + std::string(builder_id) + " with these options");
 }
 

@@ -22,6 +22,14 @@ struct OracleTree {
     std::vector<std::uint32_t> clusters_per_iteration;  ///< Of the clustering that ends at the root.
 };
 
+/// A tree over the primitives of `order` whose nodes are still to be filled in: two for each leaf.
+[[nodiscard]] OracleTree empty_tree(const MortonOrder& order);
+
+/// Where the right part of the Morton range [begin, end) of at least two positions begins: where the highest bit that
+/// differs within it turns to one. Bits of the position follow those of the code.
+[[nodiscard]] std::uint32_t split_position(const std::vector<std::uint64_t>& codes, std::uint32_t begin,
+                                           std::uint32_t end);
+
 /// PLOC over the whole order: the tree of `ploc` and, with its own comparison, of `plocpp`.
 [[nodiscard]] OracleTree ploc_tree(const MortonOrder& order, std::uint32_t radius, Comparison comparison);
 

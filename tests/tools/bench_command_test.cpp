@@ -33,6 +33,9 @@ Words lines_of(const std::string& text) {
     return lines;
 }
 
+/// Which line is a scene's header, where every builder could run: the machine, a blank line and the scene stand above.
+constexpr std::size_t kHeader = 3;
+
 const Words kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
 
 /// The document of `bench` with one run of each builder.
@@ -43,6 +46,13 @@ ordered_json bench(Words arguments, const Words& environment = {}) {
     INFO(outcome.err);
     REQUIRE(outcome.exit_code == 0);
     return ordered_json::parse(outcome.out);
+}
+
+/// check_result, with what every result of `bench` has behind `extra`.
+void check_bench_result(const ordered_json& result, Words extra) {
+    extra.emplace_back("native_sort_ms");
+    if (result["kind"] == "device") extra.emplace_back("copy_gb_per_s");
+    check_result(result, extra);
 }
 
 std::size_t count_lines_that_start_with(const std::string& text, const std::string& start) {
@@ -60,13 +70,13 @@ TEST_CASE("bench describes every builder on every scene") {
     REQUIRE(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     const ordered_json document = ordered_json::parse(outcome.out);
-    CHECK(field_names(document) == Words{"device", "options", "results"});
+    CHECK(field_names(document) == Words{"machine", "device", "profile", "options", "results"});
     check_options(document["options"]);
     check_device(document["device"]);
     const ordered_json& results = document["results"];
     REQUIRE(results.size() == 2 * builders().size());
     for (std::size_t i = 0; i < results.size(); ++i) {
-        check_result(results[i], {"valid", "native_sort_ms"});
+        check_bench_result(results[i], {"valid"});
         const bool first_scene = i < builders().size();
         CHECK(results[i]["scene"] == (first_scene ? "gen:soup:3000" : "gen:sphere:2000"));
         CHECK(results[i]["triangles"] == (first_scene ? 3000 : 2000));
@@ -87,7 +97,7 @@ TEST_CASE("bench runs the builders that are named, each once, in that order") {
     CHECK(results[1]["builder"] == "plocpp");
     CHECK(results[1]["radius"] == 4);
     for (const ordered_json& result : results) {
-        check_result(result, {"native_sort_ms"});
+        check_bench_result(result, {});
         CHECK(result["shape"] == "group");
     }
 }
@@ -115,8 +125,8 @@ TEST_CASE("the columns of bench's table are aligned") {
     const Outcome outcome = run_tool({"bench", "gen:soup:1000", "--runs", "1"});
     REQUIRE(outcome.exit_code == 0);
     const Words lines = lines_of(outcome.out);
-    for (std::size_t i = 2; i < 2 + builders().size(); ++i)
-        CHECK(lines.at(i).size() == lines.at(1).size());
+    for (std::size_t i = kHeader + 1; i <= kHeader + builders().size(); ++i)
+        CHECK(lines.at(i).size() == lines.at(kHeader).size());
 }
 
 TEST_CASE("bench compares with what ran") {
@@ -125,13 +135,13 @@ TEST_CASE("bench compares with what ran") {
         REQUIRE(outcome.exit_code == 0);
         return lines_of(outcome.out);
     };
-    CHECK_THAT(table_of("lbvh").at(1), !Contains("vs ") && !Contains("SAH/"));
-    CHECK_THAT(table_of("lbvh,ploc").at(1), Contains("vs ploc") && Contains("SAH/ploc"));
-    CHECK_THAT(table_of("median,binned-sah").at(1), Contains("vs binned-sah") && Contains("SAH/binned-sah"));
+    CHECK_THAT(table_of("lbvh").at(kHeader), !Contains("vs ") && !Contains("SAH/"));
+    CHECK_THAT(table_of("lbvh,ploc").at(kHeader), Contains("vs ploc") && Contains("SAH/ploc"));
+    CHECK_THAT(table_of("median,binned-sah").at(kHeader), Contains("vs binned-sah") && Contains("SAH/binned-sah"));
     const Words both = table_of("binned-sah,ploc");
-    CHECK_THAT(both.at(1), Contains("vs ploc") && Contains("SAH/binned-sah"));
-    CHECK_THAT(both.at(2), StartsWith("binned-sah ") && Contains(" 1.0000 "));
-    CHECK_THAT(both.at(3), StartsWith("ploc ") && Contains(" 1.00x "));
+    CHECK_THAT(both.at(kHeader), Contains("vs ploc") && Contains("SAH/binned-sah"));
+    CHECK_THAT(both.at(kHeader + 1), StartsWith("binned-sah ") && Contains(" 1.0000 "));
+    CHECK_THAT(both.at(kHeader + 2), StartsWith("ploc ") && Contains(" 1.00x "));
 }
 
 TEST_CASE("groups stand for their builders, each once, beside ids") {
@@ -157,14 +167,14 @@ TEST_CASE("groups stand for their builders, each once, beside ids") {
 
 TEST_CASE("without a device, bench runs the host builders and says why no others") {
     const ordered_json document = bench({"gen:soup:1000"}, kNoDriver);
-    CHECK(field_names(document) == Words{"device", "options", "results", "unavailable"});
+    CHECK(field_names(document) == Words{"machine", "device", "profile", "options", "results", "unavailable"});
     CHECK(document["device"].is_null());
     std::size_t ran = 0;
     std::size_t unavailable = 0;
     for (const BuilderInfo& builder : builders()) {
         if (builder.kind == BuilderKind::host) {
             CHECK(document["results"].at(ran)["builder"] == builder.id);
-            check_result(document["results"][ran++], {"valid", "native_sort_ms"});
+            check_bench_result(document["results"][ran++], {"valid"});
         } else {
             const ordered_json& entry = document["unavailable"].at(unavailable++);
             CHECK(entry["builder"] == builder.id);
@@ -239,9 +249,9 @@ TEST_CASE("a benchmark that fails keeps what it has measured") {
     CHECK(outcome.exit_code == 1);
     CHECK_THAT(outcome.err, Contains(broken));
     const ordered_json document = ordered_json::parse(outcome.out);
-    CHECK(field_names(document) == Words{"device", "options", "results", "incomplete"});
+    CHECK(field_names(document) == Words{"machine", "device", "profile", "options", "results", "incomplete"});
     REQUIRE(document["results"].size() == 1);
-    check_result(document["results"][0], {"valid", "native_sort_ms"});
+    check_bench_result(document["results"][0], {"valid"});
     CHECK_THAT(document["incomplete"].get<std::string>(), Contains(broken));
 }
 
@@ -249,5 +259,5 @@ TEST_CASE("one thread is no plural") {
     const Outcome outcome =
         run_tool({"bench", "gen:soup:100", "--builders", "median", "--runs", "1", "--threads", "1"}, kNoDriver);
     REQUIRE(outcome.exit_code == 0);
-    CHECK_THAT(lines_of(outcome.out).at(0), Catch::Matchers::EndsWith("host builders on 1 thread"));
+    CHECK_THAT(lines_of(outcome.out).at(kHeader - 1), Catch::Matchers::EndsWith("host builders on 1 thread"));
 }

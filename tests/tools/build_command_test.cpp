@@ -35,7 +35,7 @@ ordered_json result_of(Words arguments, const Words& environment = {}) {
     REQUIRE(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     const ordered_json document = ordered_json::parse(outcome.out);
-    CHECK(field_names(document) == Words{"device", "options", "results"});
+    CHECK(field_names(document) == Words{"machine", "device", "profile", "options", "results"});
     check_options(document["options"]);
     REQUIRE(document["results"].size() == 1);
     const ordered_json& result = document["results"][0];
@@ -284,12 +284,19 @@ TEST_CASE("build's JSON holds the options that were in force") {
         {"shape", "lane", {"--shape", "lane"}},
         {"sort_shape", "group", {"--sort-shape", "group"}},
         {"morton_code", "extended", {"--morton", "extended"}},
+        {"code_bits", 33, {"--code-bits", "33"}},
         {"neighbour_encoding", "bits64", {"--encoding", "bits64"}},
         {"neighbour_search", "scan", {"--search", "scan"}},
         {"single_group_threshold", 512, {"--threshold", "512"}},
         {"chunk_size", 128, {"--chunk", "128"}},
         {"work_group_size", 64, {"--work-group", "64"}},
         {"range_count", 3, {"--ranges", "3"}},
+        {"hploc_quality", "fast", {"--quality", "fast"}},
+        {"hploc_search", "window", {"--hploc-search", "window"}},
+        {"cluster_limit", 8, {"--cluster-limit", "8"}},
+        {"small_range", 32, {"--small-range", "32"}},
+        {"small_limit", 4, {"--small-limit", "4"}},
+        {"merge_pairs", "off", {"--merge-pairs", "off"}},
     };
     CHECK(cases.size() == plain.size());
     for (const auto& [name, value, words] : cases) {

@@ -19,11 +19,23 @@ bool ran_on_device(const ordered_json& result) {
     return result["kind"] == "device";
 }
 
+/// The bytes that a stage moved, and their speed: its own time's, and relative to the copy's where there was one.
+void check_traffic(const ordered_json& stage, const ordered_json& result) {
+    CHECK(stage["bytes_moved"].get<std::uint64_t>() > 0);
+    const double speed = stage["gb_per_s"];
+    CHECK(speed == Approx(stage["bytes_moved"].get<double>() * 1e-6 / stage["device_ms"].get<double>()));
+    if (stage.contains("of_copy"))
+        CHECK(stage["of_copy"].get<double>() == Approx(speed / result["copy_gb_per_s"]["median"].get<double>()));
+}
+
 void check_device_stages(const ordered_json& result) {
     Names names;
     std::uint64_t launches = 0;
     for (const ordered_json& stage : result["stages"]) {
-        CHECK(field_names(stage) == Names{"name", "device_ms", "host_ms", "launches"});
+        Names fields{"name", "device_ms", "host_ms", "launches", "bytes_moved", "gb_per_s"};
+        if (result.contains("copy_gb_per_s")) fields.emplace_back("of_copy");
+        REQUIRE(field_names(stage) == fields);
+        check_traffic(stage, result);
         CHECK(stage["device_ms"].is_number_float());
         CHECK(stage["host_ms"].is_number_float());
         CHECK(stage["launches"].is_number_unsigned());
@@ -49,7 +61,7 @@ Names common_names(bool on_device) {
     Names names{"scene", "triangles", "builder", "kind"};
     const Names identity = on_device ? Names{"shape", "radius"} : Names{"peer", "threads"};
     const Names cost{"build_ms", "mtris_per_s", "stages"};
-    const Names launches = on_device ? Names{"launches", "iterations"} : Names{};
+    const Names launches = on_device ? Names{"launch_overhead_ms", "launches", "iterations"} : Names{};
     const Names tree{
         "sah", "depth", "nodes", "leaves", "references", "peak_bytes_per_primitive", "inactive_primitives"};
     for (const Names& part : {identity, cost, launches, tree})
@@ -62,6 +74,8 @@ void check_identity(const ordered_json& result) {
         CHECK((result["shape"] == "group" || result["shape"] == "lane"));
         CHECK(result["radius"].is_number_unsigned());
         CHECK(result["iterations"].is_number_unsigned());
+        CHECK(result["launch_overhead_ms"]["median"].get<double>() >= 0.0);
+        CHECK(result["launch_overhead_ms"]["max"].get<double>() <= result["build_ms"]["max"].get<double>());
     } else {
         CHECK(result["kind"] == "host");
         CHECK(result["peer"].is_boolean());
@@ -112,9 +126,11 @@ void check_result(const ordered_json& result, const Names& extra) {
 void check_options(const ordered_json& options) {
     INFO(options.dump(2));
     const Names reals{"inner_cost", "primitive_cost", "split_alpha", "reference_budget"};
-    const Names choices{"shape", "sort_shape", "morton_code", "neighbour_encoding", "neighbour_search"};
-    const Names counts{"max_leaf_size",          "bin_count",  "presplit_level",  "thread_count", "search_radius",
-                       "single_group_threshold", "chunk_size", "work_group_size", "range_count"};
+    const Names choices{"shape",         "sort_shape",   "morton_code", "neighbour_encoding", "neighbour_search",
+                        "hploc_quality", "hploc_search", "merge_pairs"};
+    const Names counts{"max_leaf_size", "bin_count",   "presplit_level", "thread_count",           "search_radius",
+                       "code_bits",     "chunk_size",  "range_count",    "single_group_threshold", "cluster_limit",
+                       "small_range",   "small_limit", "work_group_size"};
     for (const std::string& name : reals)
         CHECK(options.at(name).is_number_float());
     for (const std::string& name : choices)

@@ -47,7 +47,9 @@ TEST_CASE("help names every command, and of each command every option") {
             CHECK_THAT(help.out, Contains(option));
     }
     CHECK_THAT(run_tool({"build", "--help"}).out, Contains("--builder") && Contains("-o") && Contains("--validate"));
-    CHECK_THAT(run_tool({"bench", "--help"}).out, Contains("--builders") && Contains("--runs") && Contains("--peers"));
+    CHECK_THAT(run_tool({"bench", "--help"}).out, Contains("--builders") && Contains("--runs") && Contains("--peers") &&
+                                                      Contains("--stages") && Contains("--sweep NAME") &&
+                                                      Contains("--sweep-to"));
 }
 
 TEST_CASE("the version is the project's") {
@@ -94,7 +96,7 @@ TEST_CASE("help tells ranges, and what options mean to whom") {
                    Contains("Largest leaf, 1 to 64: the builder's own where it makes leaves itself (binned-sah, "
                             "sweep-sah, sbvh, aac, median); then leaves are merged") &&
                        Contains("volume / 2^LEVEL, 1 to 40;") && Contains("Threads of the host's work, 1 to 1024;") &&
-                       Contains("finishes the tree, 2 to 1048576 ") &&
+                       Contains("finishes the tree, 2 to 1048576; ") &&
                        Contains("an inner node, for building; reported SAH is always at 1.2 and 1.0") &&
                        Contains("a primitive, for building; reported SAH is always at 1.2 and 1.0"));
     }

@@ -36,6 +36,27 @@ enum class NeighbourSearch : std::uint8_t {
     scan,       ///< Each side measures its own 2 R pairs; no atomics.
 };
 
+/// Presets of H-PLOC: what its options become where they are left to it.
+enum class HplocQuality : std::uint8_t {
+    balanced,  ///< cluster_limit 16, small_range 1, merge_pairs on: trees as good as PLOC's.
+    fast,      ///< cluster_limit 16, small_range 256 with small_limit 8, merge_pairs on: faster, trees a little worse.
+               ///< Also code_bits 33, which is the front end's and so concerns any device builder with this preset.
+};
+
+/// Which clusters of a node H-PLOC compares.
+enum class HplocSearch : std::uint8_t {
+    automatic,  ///< all_pairs.
+    all_pairs,  ///< Each with every other.
+    window,     ///< Each with search_radius to each side, at most 31, as the paper has it.
+};
+
+/// Whether a pair of neighbouring primitives that share a node of the Morton tree merges at once.
+enum class PairMerging : std::uint8_t {
+    automatic,  ///< As the preset says.
+    on,
+    off,
+};
+
 /// Options of all builders; each reads those that concern it. A zero size means: chosen for the builder or the device.
 struct BuildOptions {
     float inner_cost = 1.2f;          ///< Cost of visiting an inner node, above 0: SAH builders, flattening.
@@ -55,15 +76,26 @@ struct BuildOptions {
     Shape shape = Shape::automatic;    ///< See Shape.
     Shape sort_shape =
         Shape::automatic;  ///< Shape of the sort alone; automatic: lane on CPU devices that pass the self-test.
-    MortonCode morton_code = MortonCode::xyz;                             ///< See MortonCode.
+    MortonCode morton_code = MortonCode::xyz;  ///< See MortonCode.
+    std::uint32_t code_bits = 0;  ///< Leading bits of the 63-bit spatial code that order primitives, equal ones by id.
+                                  ///< 33 or 44 (as many of them as leave room for the id): code and id are sorted as
+                                  ///< one 64-bit key. 63: as PLOC++ has it, 32-bit keys with a value, twice. 0: 44, or
+                                  ///< 33 with HplocQuality::fast.
     NeighbourEncoding neighbour_encoding = NeighbourEncoding::automatic;  ///< See NeighbourEncoding.
     NeighbourSearch neighbour_search = NeighbourSearch::automatic;        ///< See NeighbourSearch.
-    std::uint32_t single_group_threshold =
-        8192;                           ///< plocpp: clusters below which one work group finishes the tree, 2 to 2^20.
+    std::uint32_t single_group_threshold = 0;  ///< plocpp: clusters below which one work group finishes the tree, 2 to
+                                               ///< 2^20; 0: chosen.
     std::uint32_t chunk_size = 0;       ///< Clusters per chunk of the lane shape, 64 to 4096 in steps of 64; 0: chosen.
     std::uint32_t work_group_size = 0;  ///< Work items of the group shape, a power of two, 32 to 1024; 0: chosen.
     std::uint32_t range_count = 0;      ///< plocpp-two-level: least number of Morton ranges, 1 to 512; 0: chosen.
-    ProgressCallback progress;          ///< See ProgressCallback; may cancel.
+    HplocQuality hploc_quality = HplocQuality::balanced;  ///< hploc: see HplocQuality.
+    HplocSearch hploc_search = HplocSearch::automatic;    ///< hploc: see HplocSearch.
+    std::uint32_t cluster_limit = 0;  ///< hploc: clusters that a Morton node keeps, 8 or 16; 0: by hploc_quality.
+    std::uint32_t small_range = 0;    ///< hploc: Morton nodes of up to so many primitives keep small_limit instead, 1
+                                      ///< (none) to 2^30; 0: by hploc_quality.
+    std::uint32_t small_limit = 0;    ///< hploc: clusters that a small Morton node keeps, 1 to 8; 0: 8.
+    PairMerging merge_pairs = PairMerging::automatic;  ///< hploc: see PairMerging.
+    ProgressCallback progress;                         ///< See ProgressCallback; may cancel.
 };
 
 /// Throws Error(invalid_input) naming the first option out of its range.
@@ -73,10 +105,16 @@ void check_options(const BuildOptions& options);
 [[nodiscard]] std::string_view to_string(MortonCode code) noexcept;             ///< "xyz", "extended"
 [[nodiscard]] std::string_view to_string(NeighbourEncoding encoding) noexcept;  ///< "auto", "bits32", "bits64"
 [[nodiscard]] std::string_view to_string(NeighbourSearch search) noexcept;      ///< "auto", "symmetric", "scan"
+[[nodiscard]] std::string_view to_string(HplocQuality quality) noexcept;        ///< "balanced", "fast"
+[[nodiscard]] std::string_view to_string(HplocSearch search) noexcept;          ///< "auto", "all-pairs", "window"
+[[nodiscard]] std::string_view to_string(PairMerging merging) noexcept;         ///< "auto", "on", "off"
 
 [[nodiscard]] std::optional<Shape> shape_from(std::string_view name) noexcept;
 [[nodiscard]] std::optional<MortonCode> morton_code_from(std::string_view name) noexcept;
 [[nodiscard]] std::optional<NeighbourEncoding> neighbour_encoding_from(std::string_view name) noexcept;
 [[nodiscard]] std::optional<NeighbourSearch> neighbour_search_from(std::string_view name) noexcept;
+[[nodiscard]] std::optional<HplocQuality> hploc_quality_from(std::string_view name) noexcept;
+[[nodiscard]] std::optional<HplocSearch> hploc_search_from(std::string_view name) noexcept;
+[[nodiscard]] std::optional<PairMerging> pair_merging_from(std::string_view name) noexcept;
 
 }  // namespace clbvh

@@ -15,7 +15,7 @@ struct StageStats {
     double device_ms = 0.0;  ///< Sum of the kernels' execution times on the device; 0 where the queue does not profile.
     double host_ms = 0.0;    ///< Wall time that the host spent in the stage's calls, its waits for the device included.
     std::uint32_t launches = 0;     ///< Kernels enqueued.
-    std::uint64_t bytes_moved = 0;  ///< Device memory that the stage has to read and write, counted from sizes: every
+    std::uint64_t bytes_moved = 0;  ///< Global memory that the kernels must read and write, counted from sizes: every
                                     ///< array once a pass, whatever caches save or gathers waste. 0: not counted.
 };
 

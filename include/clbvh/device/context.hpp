@@ -2,10 +2,12 @@
 
 #include <CL/cl.h>
 
+#include <cstdint>
 #include <memory>
 #include <string_view>
 
 #include "clbvh/device/device.hpp"
+#include "clbvh/device/profile.hpp"
 
 namespace clbvh {
 
@@ -13,20 +15,37 @@ namespace device {
 class Session;
 }
 
+/// Whether compiled programs are kept on disk, so that the next process need not compile them: in CLBVH_CACHE_DIR, else
+/// in clbvh below XDG_CACHE_HOME or ~/.cache, at most 64 MiB. A damaged or foreign file there is never used.
+enum class ProgramCaching : std::uint8_t {
+    automatic,  ///< What the variable CLBVH_CACHE says (auto, on, off); else on where the driver keeps none of its own.
+    on,         ///< Always.
+    off,        ///< Never: nothing is read or written.
+};
+
+/// How a context is made.
+struct ContextOptions {
+    ProgramCaching program_caching = ProgramCaching::automatic;  ///< See ProgramCaching.
+    bool use_profile = true;  ///< Let find_profile(device) stand in for automatic options.
+};
+
 /// A device with its OpenCL context, its queue and the programs built for it. Cheap to copy: copies share everything.
 /// Programs are built on first use and kept as long as any copy lives. One thread at a time.
 class Context {
 public:
     /// Opens the device that pick_device(selector) picks, with a context and an in-order profiling queue of its own.
-    [[nodiscard]] static Context open(std::string_view selector = {});
+    [[nodiscard]] static Context open(std::string_view selector = {}, const ContextOptions& options = {});
 
-    /// Adopts the caller's in-order queue and retains it, its context and its device. Stage device times are 0 where
-    /// the queue was made without CL_QUEUE_PROFILING_ENABLE. Throws Error(unsupported) for an out-of-order queue.
-    [[nodiscard]] static Context adopt(cl_command_queue queue);
+    /// Adopts the caller's queue, in order or out of order, and retains it, its context and its device. Stage device
+    /// times are 0 where the queue was made without CL_QUEUE_PROFILING_ENABLE.
+    [[nodiscard]] static Context adopt(cl_command_queue queue, const ContextOptions& options = {});
 
     [[nodiscard]] const DeviceInfo& device() const noexcept;
     [[nodiscard]] cl_context opencl_context() const noexcept;
     [[nodiscard]] cl_command_queue opencl_queue() const noexcept;
+
+    /// The profile that stands in for automatic options here, if any.
+    [[nodiscard]] const FoundProfile& profile() const noexcept;
 
     /// True where the lane shape may be the default here: a CPU device that passes a small self-test (run once).
     [[nodiscard]] bool prefers_lane_shape() const;

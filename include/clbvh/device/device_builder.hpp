@@ -1,0 +1,119 @@
+#pragma once
+
+#include <CL/cl.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "clbvh/core/build_options.hpp"
+#include "clbvh/device/context.hpp"
+#include "clbvh/registry.hpp"
+
+namespace clbvh {
+
+/// Memory of the caller's, from `offset` bytes into a buffer on. The buffer may be a sub-buffer.
+struct DeviceSpan {
+    cl_mem buffer = nullptr;
+    std::uint64_t offset = 0;
+};
+
+/// The type of one vertex index.
+enum class IndexType : std::uint8_t { uint32, uint16 };
+
+/// Triangles in device memory. Strides are in bytes.
+struct DeviceTriangles {
+    std::uint32_t count = 0;           ///< Triangles, at most kMaxPrimitives.
+    DeviceSpan vertices;               ///< Three floats each; a multiple of 4 bytes in.
+    std::uint32_t vertex_stride = 12;  ///< From one vertex to the next: 12 or more, a multiple of 4.
+    DeviceSpan indices;                ///< Three for each triangle; without a buffer vertices are taken three by three.
+    IndexType index_type = IndexType::uint32;
+    std::uint32_t index_stride = 0;  ///< From one triangle's first index to the next one's, no less than three indices;
+                                     ///< 0: just that.
+};
+
+/// Boxes in device memory, for primitives that are not triangles.
+struct DeviceBoxes {
+    std::uint32_t count = 0;    ///< Boxes, at most kMaxPrimitives.
+    DeviceSpan boxes;           ///< Six floats each, lower x y z and upper x y z; a multiple of 4 bytes in.
+    std::uint32_t stride = 24;  ///< From one box to the next, in bytes: 24 or more, a multiple of 4.
+};
+
+/// What a tree is built over.
+using DeviceInput = std::variant<DeviceTriangles, DeviceBoxes>;
+
+/// Where the tree goes.
+struct DeviceResult {
+    DeviceSpan nodes;          ///< Node [2 * active primitives], see Bvh::nodes; DeviceBuildSizes::nodes bytes.
+    DeviceSpan primitive_ids;  ///< uint [active primitives], see Bvh::primitive_ids; DeviceBuildSizes::primitive_ids.
+    DeviceSpan active_count;   ///< Becomes the number of active primitives, one uint; may be left out.
+};
+
+/// Bytes that a build needs. Nothing is read or written beyond them.
+struct DeviceBuildSizes {
+    std::uint64_t nodes = 0;          ///< 64 for each primitive.
+    std::uint64_t primitive_ids = 0;  ///< 4 for each primitive.
+    std::uint64_t scratch = 0;        ///< Free again when the build is done; the same for every input of this size.
+};
+
+/// Builds trees from buffers of the caller's into buffers of the caller's, on a queue of the caller's: nothing is
+/// allocated, and nothing is waited for (`ploc` excepted, see enqueue()). Programs are built when the builder is made.
+///
+///     clbvh::DeviceBuilder builder("plocpp-two-level", clbvh::Context::adopt(queue));
+///     const clbvh::DeviceBuildSizes sizes = builder.sizes(triangles.count);
+///     ... buffers of at least these sizes ...
+///     builder.enqueue(queue, triangles, {scratch}, {{nodes}, {primitive_ids}});
+///
+/// The tree is, byte for byte, the one that Builder makes of the same primitives. One thread at a time for all that
+/// shares the Context: kernels are shared, and their arguments are set by each call.
+class DeviceBuilder {
+public:
+    /// Throws what Builder's constructor throws, and Error(unsupported) for a builder of the host and for options that
+    /// are the host's work (max_leaf_size, presplit_level). BuildOptions::progress is never called.
+    DeviceBuilder(std::string_view builder_id, Context context, const BuildOptions& options = {});
+    DeviceBuilder(const DeviceBuilder&) = delete;
+    DeviceBuilder(DeviceBuilder&&) noexcept;
+    DeviceBuilder& operator=(const DeviceBuilder&) = delete;
+    DeviceBuilder& operator=(DeviceBuilder&&) noexcept;
+    ~DeviceBuilder();
+
+    /// What a build over `primitive_count` needs. Throws Error(unsupported) where there are more than kMaxPrimitives,
+    /// or where the device cannot allocate one of the three at once: the message says how many primitives it can hold.
+    [[nodiscard]] DeviceBuildSizes sizes(std::uint64_t primitive_count) const;
+
+    /// What the sum of a buffer's own offset and DeviceSpan::offset must be a multiple of, in bytes, for the nodes, the
+    /// primitive ids and the scratch.
+    [[nodiscard]] std::uint64_t alignment() const noexcept;
+
+    /// Enqueues a build that begins when the events in `wait_list` are complete; `event`, where given, becomes the
+    /// caller's own event of its end. As with OpenCL's own commands, an in-order queue puts it behind what was enqueued
+    /// before; in an out-of-order queue only `wait_list` does, and what needs the tree must wait for `event`. The queue
+    /// is not flushed. Any queue of the context's device will do. The memory may be released, but not used, before the
+    /// end.
+    ///
+    /// The values in the input cannot be checked here. A primitive with a NaN coordinate is inactive: it is in no tree.
+    /// Indices out of range, and coordinates that are infinite or beyond kMaxCoordinate, are undefined behaviour;
+    /// Builder::upload checks both, for meshes of the host. Where no primitive is active the root is a box that nothing
+    /// hits; where there are none at all, nothing but the active count is written.
+    ///
+    /// `ploc` waits for the device several times within the call (see docs/enqueue.md), and so for `wait_list`.
+    ///
+    /// Throws Error(invalid_input) that names the first thing wrong with the arguments, before anything is enqueued;
+    /// after another Error a part of the build may have been, and the memory's contents are undefined.
+    void enqueue(cl_command_queue queue, const DeviceInput& input, const DeviceSpan& scratch,
+                 const DeviceResult& result, std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+
+    [[nodiscard]] const BuilderInfo& info() const noexcept;
+    [[nodiscard]] const BuildOptions& options() const noexcept;
+    [[nodiscard]] const Context& context() const noexcept;
+    /// The shape that runs: what BuildOptions::shape was resolved to, group or lane.
+    [[nodiscard]] Shape shape() const noexcept;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace clbvh

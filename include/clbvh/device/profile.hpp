@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "clbvh/core/build_options.hpp"
+#include "clbvh/device/device.hpp"
+
+namespace clbvh {
+
+/// What was found best for one device with one driver, as `clbvh tune` does. It stands in for options that are
+/// automatic, changes how work is laid out and never the tree, and gives way where the device or other options leave no
+/// room for it. A zero or automatic field has nothing to say.
+struct Profile {
+    std::string platform;                      ///< DeviceInfo::platform of the device.
+    std::string device;                        ///< DeviceInfo::name.
+    std::string driver_version;                ///< DeviceInfo::driver_version.
+    Shape sort_shape = Shape::automatic;       ///< See BuildOptions.
+    std::uint32_t chunk_size = 0;              ///< See BuildOptions.
+    std::uint32_t work_group_size = 0;         ///< See BuildOptions.
+    std::uint32_t single_group_threshold = 0;  ///< See BuildOptions.
+};
+
+/// Where a device's profile was looked for, and what was there.
+struct FoundProfile {
+    std::filesystem::path path;      ///< Empty where there is no place to look.
+    std::optional<Profile> profile;  ///< Absent where none is to be used.
+    std::string reason;              ///< Why a file that is there is not used; empty where there is none or it is.
+};
+
+/// The device's own file in the folder of profiles: clbvh in XDG_CONFIG_HOME or in ~/.config. Empty where neither that
+/// variable nor HOME is set.
+[[nodiscard]] std::filesystem::path profile_path(const DeviceInfo& device);
+
+/// The profile that contexts on this device use: of the file that the variable CLBVH_PROFILE names ("off": of none),
+/// else of profile_path(). It has to be for this platform, device and driver, else it is not used, and `reason` says
+/// so. Throws Error(io) or Error(invalid_input) where the file that CLBVH_PROFILE names cannot be read or is no
+/// profile; elsewhere such a file is not used.
+[[nodiscard]] FoundProfile find_profile(const DeviceInfo& device);
+
+/// A profile as JSON, for a file.
+[[nodiscard]] std::string profile_text(const Profile& profile);
+
+/// The profile in such a text. Throws Error(invalid_input) naming what is wrong first, with `name` before it.
+[[nodiscard]] Profile parse_profile(std::string_view text, std::string_view name);
+
+}  // namespace clbvh

@@ -1,0 +1,30 @@
+// H-PLOC: hierarchical parallel locally-ordered clustering (Benthin, Meister et al. 2024).
+#include "work_group.clh"
+#include "aabb.clh"
+#include "node.clh"
+#include "morton_split.clh"
+
+#ifndef CLUSTER_LIMIT
+#define CLUSTER_LIMIT 16
+#endif
+#ifndef SMALL_RANGE
+#define SMALL_RANGE 1
+#endif
+#ifndef SMALL_LIMIT
+#define SMALL_LIMIT 8
+#endif
+#ifndef MERGE_PAIRS
+#define MERGE_PAIRS 1
+#endif
+#ifndef HPLOC_WINDOW
+#define HPLOC_WINDOW 0
+#endif
+#ifndef EQUAL_CODES
+#define EQUAL_CODES 0
+#endif
+
+#if LANE_SHAPE
+#include "hploc_lane.clh"
+#else
+#include "hploc_group.clh"
+#endif

@@ -1,0 +1,84 @@
+#include "device/caller_memory.hpp"
+
+#include <string>
+
+#include "clbvh/core/error.hpp"
+
+namespace clbvh::device {
+namespace {
+
+[[noreturn]] void refuse(std::string_view name, const std::string& reason) {
+    throw Error(ErrorCode::invalid_input, std::string(name) + " " + reason);
+}
+
+Block place_of(const cl::Buffer& buffer, std::uint64_t offset) {
+    const cl::Memory parent = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>();
+    if (parent() == nullptr) return {buffer, offset};
+    return {cl::Buffer(parent(), true), buffer.getInfo<CL_MEM_OFFSET>() + offset};
+}
+
+bool have_common_bytes(const CallerMemory& a, const CallerMemory& b) {
+    return a.place.buffer() == b.place.buffer() && a.place.offset < b.place.offset + b.bytes &&
+           b.place.offset < a.place.offset + a.bytes;
+}
+
+}  // namespace
+
+CallerMemory look_at(const Session& session, std::string_view name, const DeviceSpan& span, std::uint64_t bytes) {
+    if (span.buffer == nullptr) refuse(name, "has no buffer");
+    return with_opencl_errors(name, [&] {
+        CallerMemory memory;
+        memory.name = name;
+        memory.buffer = cl::Buffer(span.buffer, true);
+        memory.offset = span.offset;
+        memory.bytes = bytes;
+        if (memory.buffer.getInfo<CL_MEM_TYPE>() != CL_MEM_OBJECT_BUFFER) refuse(name, "is an image, not a buffer");
+        if (memory.buffer.getInfo<CL_MEM_CONTEXT>()() != session.context()()) {
+            refuse(name, "belongs to another OpenCL context than the builder");
+        }
+        const std::uint64_t size = memory.buffer.getInfo<CL_MEM_SIZE>();
+        if (span.offset > size || bytes > size - span.offset) {
+            refuse(name, "needs " + std::to_string(bytes) + " bytes from offset " + std::to_string(span.offset) +
+                             " on, but its buffer ends after " + std::to_string(size));
+        }
+        const cl_mem_flags flags = memory.buffer.getInfo<CL_MEM_FLAGS>();
+        memory.is_read_write = (flags & (CL_MEM_READ_ONLY | CL_MEM_WRITE_ONLY)) == 0;
+        memory.place = place_of(memory.buffer, span.offset);
+        return memory;
+    });
+}
+
+void check_views_allowed(const CallerMemory& memory, std::uint64_t alignment) {
+    if (!memory.is_read_write) {
+        refuse(memory.name, "must be a buffer with CL_MEM_READ_WRITE: kernels do both");
+    }
+    if (memory.place.offset % alignment != 0) {
+        refuse(memory.name, "begins " + std::to_string(memory.place.offset) +
+                                " bytes into its memory, but must at a "
+                                "multiple of " +
+                                std::to_string(alignment));
+    }
+}
+
+void check_multiple(std::string_view what, std::uint64_t value, std::uint64_t least, std::uint64_t step) {
+    if (value < least || value % step != 0) {
+        refuse(what, "is " + std::to_string(value) + ", but must be " +
+                         (least > 0 ? "at least " + std::to_string(least) + " and " : "") + "a multiple of " +
+                         std::to_string(step));
+    }
+}
+
+void check_apart(std::initializer_list<CallerMemory> memories) {
+    for (const CallerMemory* a = memories.begin(); a != memories.end(); ++a) {
+        for (const CallerMemory* b = a + 1; b != memories.end(); ++b) {
+            if (have_common_bytes(*a, *b)) refuse(a->name, "and " + std::string(b->name) + " overlap");
+        }
+    }
+}
+
+std::uint64_t view_alignment(const Session& session) {
+    const auto device = session.queue().getInfo<CL_QUEUE_DEVICE>();
+    return device.getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
+}
+
+}  // namespace clbvh::device

@@ -1,0 +1,121 @@
+#include "support/hploc_oracle.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace clbvh::test {
+namespace {
+
+struct Cluster {
+    Node node;
+    std::uint32_t first;      ///< Smallest Morton position of its primitives.
+    std::uint32_t place = 0;  ///< Among those that its node of the Morton tree began with.
+};
+
+using Clusters = std::vector<Cluster>;
+
+Node make_node(const Aabb& box, std::uint32_t first, std::uint32_t count) {
+    return {{box.lower.x, box.lower.y, box.lower.z}, first, {box.upper.x, box.upper.y, box.upper.z}, count};
+}
+
+class HplocOracle {
+public:
+    HplocOracle(const MortonOrder& order, const HplocOracleOptions& options, std::vector<Node>& nodes)
+        : order_(order), options_(options), nodes_(nodes) {}
+
+    /// The clusters that the node of the Morton tree over [begin, end) leaves.
+    Clusters clusters_of(std::uint32_t begin, std::uint32_t end) {
+        if (end - begin == 1) return {{make_node(order_.bounds[begin], begin, 1), begin}};
+        const std::uint32_t split = split_position(order_.codes, begin, end);
+        Clusters clusters = clusters_of(begin, split);
+        const Clusters right = clusters_of(split, end);
+        clusters.insert(clusters.end(), right.begin(), right.end());
+        const std::uint32_t kept = end - begin == order_.ids.size() ? 1 : limit_of(end - begin);
+        number_places(clusters);
+        while (clusters.size() > kept) {
+            merge_mutual_pairs(clusters);
+            if (options_.window > 0) number_places(clusters);
+        }
+        return clusters;
+    }
+
+private:
+    [[nodiscard]] std::uint32_t limit_of(std::uint32_t primitives) const {
+        if (primitives == 2 && options_.merge_pairs) return 1;
+        return primitives <= options_.small_range ? options_.small_limit : options_.cluster_limit;
+    }
+
+    static void number_places(Clusters& clusters) {
+        std::uint32_t place = 0;
+        for (Cluster& cluster : clusters)
+            cluster.place = place++;
+    }
+
+    /// Half area without its lowest five bits, instead of which stands the difference of the places.
+    static std::uint32_t key(const Clusters& clusters, std::size_t i, std::size_t j) {
+        const float distance = half_area(merge(clusters[i].node.bounds(), clusters[j].node.bounds()));
+        return (std::bit_cast<std::uint32_t>(distance) & ~31u) | (clusters[i].place ^ clusters[j].place);
+    }
+
+    [[nodiscard]] std::size_t nearest(const Clusters& clusters, std::size_t i) const {
+        const std::size_t reach = options_.window > 0 ? options_.window : clusters.size();
+        std::size_t best = i;
+        for (std::size_t j = i - std::min(i, reach); j < std::min(i + reach + 1, clusters.size()); ++j) {
+            if (j != i && (best == i || key(clusters, i, j) < key(clusters, i, best))) best = j;
+        }
+        return best;
+    }
+
+    /// The parent of a pair takes the place of its left child; all others keep theirs, and all keep their order.
+    void merge_mutual_pairs(Clusters& clusters) {
+        std::vector<std::size_t> neighbours;
+        for (std::size_t i = 0; i < clusters.size(); ++i)
+            neighbours.push_back(nearest(clusters, i));
+        Clusters kept;
+        for (std::size_t i = 0; i < clusters.size(); ++i) {
+            const std::size_t j = neighbours[i];
+            const bool is_mutual = neighbours[j] == i;
+            if (is_mutual && i < j) kept.push_back(join(clusters[i], clusters[j]));
+            if (!is_mutual) kept.push_back(clusters[i]);
+        }
+        if (kept.size() == clusters.size()) throw std::logic_error("no two clusters are each other's nearest");
+        clusters = std::move(kept);
+    }
+
+    Cluster join(const Cluster& left, const Cluster& right) {
+        const std::uint32_t pair = 2 * right.first;
+        nodes_[pair] = left.node;
+        nodes_[pair + 1] = right.node;
+        return {make_node(merge(left.node.bounds(), right.node.bounds()), pair, 0), left.first, left.place};
+    }
+
+    const MortonOrder& order_;
+    HplocOracleOptions options_;
+    std::vector<Node>& nodes_;
+};
+
+}  // namespace
+
+HplocOracleOptions hploc_oracle_options(const BuildOptions& options) {
+    HplocOracleOptions chosen;
+    if (options.hploc_quality == HplocQuality::fast) chosen.small_range = 256;
+    if (options.cluster_limit != 0) chosen.cluster_limit = options.cluster_limit;
+    if (options.small_range != 0) chosen.small_range = options.small_range;
+    if (options.small_limit != 0) chosen.small_limit = options.small_limit;
+    chosen.merge_pairs = options.merge_pairs != PairMerging::off;
+    if (options.hploc_search == HplocSearch::window) chosen.window = std::min(options.search_radius, 31u);
+    return chosen;
+}
+
+OracleTree hploc_tree(const MortonOrder& order, const HplocOracleOptions& options) {
+    OracleTree tree = empty_tree(order);
+    if (order.ids.empty()) return tree;
+    HplocOracle oracle(order, options, tree.bvh.nodes);
+    tree.bvh.nodes[0] = oracle.clusters_of(0, static_cast<std::uint32_t>(order.ids.size())).front().node;
+    return tree;
+}
+
+}  // namespace clbvh::test
