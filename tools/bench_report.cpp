@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "column_table.hpp"
 #include "native_sort.hpp"
-#include "table.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -21,10 +21,6 @@ namespace {
 using Baselines = std::array<std::string_view, 2>;
 constexpr Baselines kTimeBaselines{"ploc", "binned-sah"};
 constexpr Baselines kSahBaselines{"binned-sah", "ploc"};
-
-std::string fixed(double value, int decimals) {
-    return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
-}
 
 std::string times(double value) {
     return std::isfinite(value) ? fmt::format("{:.2f}x", value) : "-";
@@ -48,7 +44,10 @@ public:
     [[nodiscard]] double speedup(const BuildResult& result) const {
         return time_baseline_->build_ms.median / result.build_ms.median;
     }
-    [[nodiscard]] double sah_ratio(const BuildResult& result) const { return result.sah / sah_baseline_->sah; }
+    /// NaN where the result has no tree to read.
+    [[nodiscard]] double sah_ratio(const BuildResult& result) const {
+        return result.has_tree ? result.sah / sah_baseline_->sah : std::numeric_limits<double>::quiet_NaN();
+    }
     [[nodiscard]] std::string speedup_title() const { return "vs " + time_baseline_->builder; }
     [[nodiscard]] std::string sah_ratio_title() const { return "SAH/" + sah_baseline_->builder; }
 
@@ -70,43 +69,30 @@ double time_over_sort(const BuildResult& result) {
                                  : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// A column of a table: its title, and what stands in a row.
-template <typename Row>
-struct Column {
-    std::string title;
-    std::function<std::string(const Row&)> cell;
-};
-
-template <typename Row>
-std::string table_text(const std::vector<Column<Row>>& columns, std::span<const Row> rows) {
-    std::vector<std::string> cells(columns.size());
-    std::ranges::transform(columns, cells.begin(), &Column<Row>::title);
-    Table table(cells);
-    for (const Row& row : rows) {
-        std::ranges::transform(columns, cells.begin(), [&](const Column<Row>& column) { return column.cell(row); });
-        table.add_row(cells);
-    }
-    return table.text();
+/// Whatever a column says of a tree, where there is one to read.
+std::function<std::string(const BuildResult&)> of_tree(std::string (*cell)(const BuildResult&)) {
+    return [cell](const BuildResult& result) { return result.has_tree ? cell(result) : std::string("-"); };
 }
 
 std::vector<Column<BuildResult>> scene_columns(const Comparison& comparison) {
     using Result = const BuildResult&;
     std::vector<Column<BuildResult>> columns{
         {"builder", [](Result r) { return r.builder; }},
-        {"median ms", [](Result r) { return fixed(r.build_ms.median, 2); }},
-        {"min ms", [](Result r) { return fixed(r.build_ms.min, 2); }},
-        {"Mtris/s", [](Result r) { return fixed(r.mtris_per_s(), 2); }},
+        {"median ms", [](Result r) { return fixed_text(r.build_ms.median, 2); }},
+        {"min ms", [](Result r) { return fixed_text(r.build_ms.min, 2); }},
+        {"Mtris/s", [](Result r) { return fixed_text(r.mtris_per_s(), 2); }},
     };
     if (comparison.time_baseline() != nullptr)
         columns.push_back({comparison.speedup_title(), [&](Result r) { return times(comparison.speedup(r)); }});
-    columns.push_back({"x sort", [](Result r) { return fixed(time_over_sort(r), 2); }});
-    columns.push_back({"SAH", [](Result r) { return fixed(r.sah, 3); }});
+    columns.push_back({"x sort", [](Result r) { return fixed_text(time_over_sort(r), 2); }});
+    columns.push_back({"SAH", of_tree([](Result r) { return fixed_text(r.sah, 3); })});
     if (comparison.sah_baseline() != nullptr)
-        columns.push_back({comparison.sah_ratio_title(), [&](Result r) { return fixed(comparison.sah_ratio(r), 4); }});
-    columns.push_back({"depth", [](Result r) { return std::to_string(r.depth); }});
-    columns.push_back({"leaves", [](Result r) { return std::to_string(r.leaves); }});
-    columns.push_back({"prims/leaf", [](Result r) { return fixed(r.primitives_per_leaf(), 2); }});
-    columns.push_back({"bytes/prim", [](Result r) { return fixed(r.peak_bytes_per_primitive(), 1); }});
+        columns.push_back(
+            {comparison.sah_ratio_title(), [&](Result r) { return fixed_text(comparison.sah_ratio(r), 4); }});
+    columns.push_back({"depth", of_tree([](Result r) { return std::to_string(r.depth); })});
+    columns.push_back({"leaves", of_tree([](Result r) { return std::to_string(r.leaves); })});
+    columns.push_back({"prims/leaf", of_tree([](Result r) { return fixed_text(r.primitives_per_leaf(), 2); })});
+    columns.push_back({"bytes/prim", [](Result r) { return fixed_text(r.peak_bytes_per_primitive(), 1); }});
     columns.push_back({"valid", [](Result r) { return yes_no(r.valid); }});
     return columns;
 }
@@ -126,7 +112,7 @@ std::string native_sort_line(const BuildResult& result) {
     const double ms = result.native_sort_ms.value_or(Sample{}).median;
     return fmt::format("native sort (64-bit keys, 32-bit values, {})  {:.2f} ms  {} Mkeys/s\n",
                        threads_text(NativeSort::threads()), ms,
-                       fixed(static_cast<double>(result.triangles) / ms / 1e3, 1));
+                       fixed_text(static_cast<double>(result.triangles) / ms / 1e3, 1));
 }
 
 /// One builder in the table of means: its results, scene by scene, each with those that it is compared with.
@@ -150,7 +136,8 @@ std::vector<Column<Series>> means_columns(const Comparison& comparison) {
     using Entry = const Series::Entry&;
     std::vector<Column<Series>> columns{
         {"builder", [](const Series& s) { return s.entries.front().result->builder; }},
-        {"Mtris/s", [](const Series& s) { return fixed(s.mean([](Entry e) { return e.result->mtris_per_s(); }), 2); }},
+        {"Mtris/s",
+         [](const Series& s) { return fixed_text(s.mean([](Entry e) { return e.result->mtris_per_s(); }), 2); }},
     };
     if (comparison.time_baseline() != nullptr) {
         columns.push_back({comparison.speedup_title(), [](const Series& s) {
@@ -158,11 +145,11 @@ std::vector<Column<Series>> means_columns(const Comparison& comparison) {
                            }});
     }
     columns.push_back({"x sort", [](const Series& s) {
-                           return fixed(s.mean([](Entry e) { return time_over_sort(*e.result); }), 2);
+                           return fixed_text(s.mean([](Entry e) { return time_over_sort(*e.result); }), 2);
                        }});
     if (comparison.sah_baseline() != nullptr) {
         columns.push_back({comparison.sah_ratio_title(), [](const Series& s) {
-                               return fixed(s.mean([](Entry e) { return e.comparison.sah_ratio(*e.result); }), 4);
+                               return fixed_text(s.mean([](Entry e) { return e.comparison.sah_ratio(*e.result); }), 4);
                            }});
     }
     return columns;

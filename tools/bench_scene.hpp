@@ -24,10 +24,8 @@ struct BenchSettings {
     std::optional<Context> context;  ///< Where device builders run; needed where there are any.
 };
 
-/// Times every builder and the native sort on one mesh, and describes the last tree of each builder.
-///
-/// One round runs each of them once, and each round begins with another one, so that all meet the same noise and every
-/// neighbour. The first round warms up and is not counted.
+/// Times every builder, the native sort and, where there is a device, a copy on it in the same rounds (run_rounds) on
+/// one mesh, and describes the last tree of each builder.
 [[nodiscard]] std::vector<BuildResult> bench_scene(const BenchSettings& settings, std::string_view scene,
                                                    const Mesh& mesh, ProgressBar& bar);
 

@@ -13,6 +13,7 @@ constexpr const char* kTree = "Trees of all builders";
 constexpr const char* kHost = "Host builders";
 constexpr const char* kDevice = "Device builders";
 constexpr const char* kTuning = "Tuning of device builders";
+constexpr const char* kHploc = "H-PLOC";
 constexpr const char* kPaperPresplitLevel = "14";
 constexpr const char* kForBuilding = ", for building; reported SAH is always at 1.2 and 1.0";
 
@@ -54,6 +55,7 @@ void BuildArguments::add_options(CLI::App& command) {
     add_host_options(command);
     add_device_options(command);
     add_device_tuning(command);
+    add_hploc_options(command);
 }
 
 void BuildArguments::check() const {
@@ -126,6 +128,9 @@ void BuildArguments::add_device_tuning(CLI::App& command) {
     add_choice(command, "--morton", options.morton_code, {MortonCode::xyz, MortonCode::extended}, morton_code_from,
                "Spatial code that orders the primitives")
         ->group(kTuning);
+    add_number(command, "--code-bits", &BuildOptions::code_bits,
+               "Leading bits of the spatial code that are sorted: 33, 44 or 63; 0: 44, or 33 with --quality fast")
+        ->group(kTuning);
     add_choice(command, "--encoding", options.neighbour_encoding,
                {NeighbourEncoding::automatic, NeighbourEncoding::bits32, NeighbourEncoding::bits64},
                neighbour_encoding_from, "How PLOC++ packs a distance and its neighbour")
@@ -135,7 +140,8 @@ void BuildArguments::add_device_tuning(CLI::App& command) {
                "How the group shape finds neighbours")
         ->group(kTuning);
     add_number(command, "--threshold", &BuildOptions::single_group_threshold,
-               "plocpp: clusters below which one work group finishes the tree, 2 to 1048576")
+               "plocpp: clusters below which one work group finishes the tree, 2 to 1048576; 0: chosen for the "
+               "device")
         ->group(kTuning);
     add_number(command, "--chunk", &BuildOptions::chunk_size,
                "Clusters per chunk of the lane shape, 64 to 4096 in steps of 64; 0: chosen for the device")
@@ -146,6 +152,28 @@ void BuildArguments::add_device_tuning(CLI::App& command) {
     add_number(command, "--ranges", &BuildOptions::range_count,
                "plocpp-two-level: least number of Morton ranges, 1 to 512; 0: chosen for the device")
         ->group(kTuning);
+}
+
+void BuildArguments::add_hploc_options(CLI::App& command) {
+    add_choice(command, "--quality", options.hploc_quality, {HplocQuality::balanced, HplocQuality::fast},
+               hploc_quality_from, "hploc: what the options below become where they are left to it")
+        ->group(kHploc);
+    add_choice(command, "--hploc-search", options.hploc_search,
+               {HplocSearch::automatic, HplocSearch::all_pairs, HplocSearch::window}, hploc_search_from,
+               "Clusters of a node that are compared: each with all, or with --radius to each side")
+        ->group(kHploc);
+    add_number(command, "--cluster-limit", &BuildOptions::cluster_limit,
+               "Clusters that a node of the Morton tree keeps, 8 or 16; 0: by --quality")
+        ->group(kHploc);
+    add_number(command, "--small-range", &BuildOptions::small_range,
+               "Nodes of up to so many primitives keep --small-limit instead, 1 (none) to 2^30; 0: by --quality")
+        ->group(kHploc);
+    add_number(command, "--small-limit", &BuildOptions::small_limit, "Clusters that a small node keeps, 1 to 8; 0: 8")
+        ->group(kHploc);
+    add_choice(command, "--merge-pairs", options.merge_pairs,
+               {PairMerging::automatic, PairMerging::on, PairMerging::off}, pair_merging_from,
+               "Whether two primitives that share a node merge at once")
+        ->group(kHploc);
 }
 
 }  // namespace clbvh::tool

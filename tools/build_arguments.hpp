@@ -28,6 +28,7 @@ private:
 
     void add_device_options(CLI::App& command);
     void add_device_tuning(CLI::App& command);
+    void add_hploc_options(CLI::App& command);
     void add_tree_options(CLI::App& command);
     void add_host_options(CLI::App& command);
     /// An option with a number; `field` is a member of BuildOptions.

@@ -24,6 +24,13 @@ Sample over_runs(std::span<const BuildStats> runs, const Value& value) {
     return summarize(std::move(values));
 }
 
+double launch_overhead(const BuildStats& run) {
+    double milliseconds = run.build_ms;
+    for (const StageStats& stage : run.stages)
+        milliseconds -= ran_on_host(stage) ? stage.host_ms : stage.device_ms;
+    return std::max(0.0, milliseconds);
+}
+
 }  // namespace
 
 double BuildResult::mtris_per_s() const {
@@ -38,9 +45,17 @@ double BuildResult::primitives_per_leaf() const {
     return leaves > 0 ? static_cast<double>(references) / static_cast<double>(leaves) : 0.0;
 }
 
-BuildResult summarize_runs(std::span<const BuildStats> runs) {
+bool ran_on_host(const StageStats& stage) {
+    return stage.launches == 0;
+}
+
+double gb_per_s(const StageStats& stage) {
+    if (stage.device_ms <= 0.0 || stage.bytes_moved == 0) return std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(stage.bytes_moved) / stage.device_ms * 1e-6;
+}
+
+void summarize_runs(BuildResult& result, std::span<const BuildStats> runs) {
     const BuildStats& last = runs.back();
-    BuildResult result;
     result.build_ms = over_runs(runs, [](const BuildStats& run) { return run.build_ms; });
     result.stages = last.stages;
     for (std::size_t i = 0; i < result.stages.size(); ++i) {
@@ -48,25 +63,24 @@ BuildResult summarize_runs(std::span<const BuildStats> runs) {
         stage.device_ms = over_runs(runs, [i](const BuildStats& run) { return run.stages.at(i).device_ms; }).median;
         stage.host_ms = over_runs(runs, [i](const BuildStats& run) { return run.stages.at(i).host_ms; }).median;
     }
+    result.launch_overhead_ms = over_runs(runs, launch_overhead);
     result.launches = last.launches;
     result.iterations = last.iterations;
     result.peak_bytes = std::max(last.peak_device_bytes, last.peak_host_bytes);
     result.inactive_primitives = last.inactive_primitives;
-    return result;
 }
 
-BuildResult summarize_runs(const Builder& builder, std::span<const BuildStats> runs) {
-    BuildResult result = summarize_runs(runs);
+void describe_builder(BuildResult& result, const Builder& builder) {
     result.builder = builder.info().id;
     result.kind = builder.info().kind;
     if (result.kind == BuilderKind::host) result.threads = host_threads(builder.options());
     result.shape = builder.shape();
     result.radius = builder.info().uses_search_radius ? builder.options().search_radius : 0;
-    return result;
 }
 
 void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool validated) {
     result.triangles = mesh.triangles.size();
+    result.has_tree = true;
     if (validated) {
         const ValidationReport report = validate(bvh, mesh);
         result.valid = report.valid;

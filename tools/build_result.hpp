@@ -15,6 +15,12 @@
 
 namespace clbvh::tool {
 
+/// The option or the size that differs between results, and its value in this one.
+struct SweptValue {
+    std::string what;
+    std::uint64_t value = 0;
+};
+
 /// What one builder did on one scene: in one run, or over the runs of a benchmark.
 struct BuildResult {
     std::string scene;
@@ -27,12 +33,14 @@ struct BuildResult {
     std::uint32_t threads = 0;       ///< Of a host builder; 0 elsewhere.
     Sample build_ms;
     std::vector<StageStats> stages;  ///< Medians of the times.
+    Sample launch_overhead_ms;  ///< Of a device builder: the build less the time in kernels and in stages on the host.
     std::uint32_t launches = 0;
     std::uint32_t iterations = 0;
     std::uint64_t peak_bytes = 0;  ///< The larger of the device's and the host's, input excluded.
     std::uint64_t inactive_primitives = 0;
 
-    double sah = 0.0;  ///< NaN where the tree is not valid.
+    bool has_tree = false;  ///< Where a peer's tree cannot be read, the fields from here to the error say nothing.
+    double sah = 0.0;       ///< NaN where the tree is not valid.
     std::uint32_t depth = 0;
     std::uint64_t nodes = 0;
     std::uint64_t leaves = 0;
@@ -43,19 +51,27 @@ struct BuildResult {
     /// From the making of the builder to its first tree: compilation, upload and first touch of memory included.
     std::optional<double> first_build_ms;
     std::optional<Sample> native_sort_ms;  ///< Sorting as many keys as there are triangles, in the same rounds.
+    std::optional<Sample> copy_gb_per_s;   ///< Read and written by a copy on the device, in the same rounds.
+    std::optional<SweptValue> sweep;
 
     [[nodiscard]] double mtris_per_s() const;
     [[nodiscard]] double peak_bytes_per_primitive() const;
     [[nodiscard]] double primitives_per_leaf() const;
 };
 
-/// What `runs` cost, of which there is at least one; the fields from `build_ms` to `inactive_primitives`.
-[[nodiscard]] BuildResult summarize_runs(std::span<const BuildStats> runs);
+/// True for a stage that ran on the host, before a device builder or behind it: "presplit", "download", "collapse".
+[[nodiscard]] bool ran_on_host(const StageStats& stage);
 
-/// The same, and who did it.
-[[nodiscard]] BuildResult summarize_runs(const Builder& builder, std::span<const BuildStats> runs);
+/// Gigabytes (10^9) that the stage's kernels moved a second; NaN where it has no kernels or the queue does not profile.
+[[nodiscard]] double gb_per_s(const StageStats& stage);
 
-/// Fills the numbers of triangles and the fields from `sah` to `validation_error`.
+/// Fills the fields from `build_ms` to `inactive_primitives` with what `runs` cost, of which there is at least one.
+void summarize_runs(BuildResult& result, std::span<const BuildStats> runs);
+
+/// Fills the fields from `builder` to `threads`.
+void describe_builder(BuildResult& result, const Builder& builder);
+
+/// Fills the number of triangles and the fields from `has_tree` to `validation_error`.
 void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool validated);
 
 /// Tells standard error about each tree that failed validation, and returns the exit code: a peer's tree is no failure.

@@ -38,10 +38,12 @@ public:
         } else {
             const BuilderInfo& builder = require_id_or_group(word);
             add_id(builder.id);
+            named_ids_.emplace_back(builder.id);
             needs_device_ = needs_device_ || builder.kind == BuilderKind::device;
         }
     }
     [[nodiscard]] const std::vector<std::string>& ids() const { return ids_; }
+    [[nodiscard]] const std::vector<std::string>& named_ids() const { return named_ids_; }
     [[nodiscard]] bool needs_device() const { return needs_device_; }
 
 private:
@@ -50,6 +52,7 @@ private:
     }
 
     std::vector<std::string> ids_;
+    std::vector<std::string> named_ids_;
     bool needs_device_ = false;
 };
 
@@ -78,6 +81,7 @@ BuilderChoice choose_builders(std::string_view list, std::string_view device, st
     const IdList wanted = parse(list);
     BuilderChoice choice;
     choice.ids = wanted.ids();
+    choice.named_ids = wanted.named_ids();
     if (std::none_of(choice.ids.begin(), choice.ids.end(), runs_on_device)) return choice;
     try {
         choice.context = Context::open(device);

@@ -12,6 +12,7 @@ namespace clbvh::tool {
 /// The builders that a benchmark is to run, and where.
 struct BuilderChoice {
     std::vector<std::string> ids;              ///< Each once, in the order in which they were asked for.
+    std::vector<std::string> named_ids;        ///< Those that were asked for by their ids, not as part of a group.
     std::optional<Context> context;            ///< Open where one of them runs on a device.
     std::vector<std::string> unavailable_ids;  ///< What "all" stands for and cannot run here.
     std::string reason;                        ///< Why they cannot.

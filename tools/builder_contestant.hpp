@@ -12,8 +12,13 @@ public:
     BuilderContestant(Builder builder, const Mesh& mesh) : builder_(std::move(builder)) { builder_.upload(mesh); }
 
     [[nodiscard]] std::string_view name() const override { return builder_.info().id; }
-    [[nodiscard]] BuildResult result() const override { return summarize_runs(builder_, runs()); }
-    [[nodiscard]] Bvh tree() const override { return builder_.download(); }
+    [[nodiscard]] BuildResult result() const override {
+        BuildResult result;
+        describe_builder(result, builder_);
+        summarize_runs(result, runs());
+        return result;
+    }
+    [[nodiscard]] std::optional<Bvh> tree() const override { return builder_.download(); }
 
 protected:
     BuildStats build() override { return builder_.run(); }

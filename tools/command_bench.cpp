@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <clbvh/core/error.hpp>
 #include <clbvh/io/scene.hpp>
 #include <cstdint>
 #include <cstdio>
@@ -20,9 +21,14 @@
 #include "embree_peer.hpp"
 #include "interrupt.hpp"
 #include "json_output.hpp"
+#include "machine.hpp"
 #include "progress_bar.hpp"
 #include "result_json.hpp"
 #include "scene_check.hpp"
+#include "stage_report.hpp"
+#include "sweep.hpp"
+#include "sweep_report.hpp"
+#include "sweep_scene.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -33,6 +39,9 @@ struct Arguments {
     bool peers = false;
     std::uint32_t runs = 5;
     bool unvalidated = false;
+    bool stages = false;
+    std::string sweep;           // empty where none was asked for
+    std::uint32_t sweep_to = 0;  // 0 where it was not given
     BuildArguments build;
     JsonOutput json;
 };
@@ -45,24 +54,19 @@ public:
     explicit Bench(const Arguments& arguments)
         : arguments_(arguments),
           choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)),
-          settings_{choice_.ids,    arguments.peers, arguments.runs, !arguments.unvalidated, arguments.build.options,
-                    choice_.context} {}
+          sweep_(arguments.sweep.empty() ? nullptr : &find_sweep(arguments.sweep)) {
+        if (sweep_ != nullptr) keep_readers(*sweep_, choice_);
+        settings_ = {choice_.ids,    arguments.peers, arguments.runs, !arguments.unvalidated, arguments.build.options,
+                     choice_.context};
+    }
 
-    void run_scenes() {
+    void run() {
         print(unavailable_report(choice_));
-        ProgressBar bar;
-        for (const std::string& scene : arguments_.scenes) {
-            bar.show(0.0, "loading " + scene);
-            const Mesh mesh = load_scene(scene);
-            std::vector<BuildResult> of_scene = bench_scene(settings_, scene, mesh, bar);
-            bar.erase();
-            print(scene_report(choice_.context, of_scene) + peers_note() + '\n');
-            std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
+        if (sweep_ != nullptr) {
+            run_sweeps();
+        } else {
+            run_scenes();
         }
-        const std::size_t count = arguments_.scenes.size();
-        if (count < 2) return;
-        print(
-            fmt::format("geometric means over {} scenes\n{}", count, means_report(results_, results_.size() / count)));
     }
 
     [[nodiscard]] std::span<const BuildResult> results() const { return results_; }
@@ -76,6 +80,40 @@ public:
     }
 
 private:
+    void run_scenes() {
+        ProgressBar bar;
+        for (const std::string& scene : arguments_.scenes) {
+            bar.show(0.0, "loading " + scene);
+            const Mesh mesh = load_scene(scene);
+            std::vector<BuildResult> of_scene = bench_scene(settings_, scene, mesh, bar);
+            bar.erase();
+            print(header() + scene_report(choice_.context, of_scene) + peers_note() + '\n');
+            if (arguments_.stages) print(stage_report(of_scene) + '\n');
+            std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
+        }
+        const std::size_t count = arguments_.scenes.size();
+        if (count < 2) return;
+        print(
+            fmt::format("geometric means over {} scenes\n{}", count, means_report(results_, results_.size() / count)));
+    }
+
+    void run_sweeps() {
+        ProgressBar bar;
+        for (const std::string& scene : arguments_.scenes) {
+            const std::vector<std::uint32_t> values =
+                sweep_->values.empty() ? sweep_sizes(scene, arguments_.sweep_to) : sweep_->values;
+            std::vector<BuildResult> of_scene = sweep_scene(settings_, *sweep_, values, scene, bar);
+            bar.erase();
+            print(header() + sweep_report(scene, of_scene) + '\n');
+            std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
+        }
+    }
+
+    /// The machine, above the first table only.
+    [[nodiscard]] std::string header() const {
+        return results_.empty() ? machine_line(describe_machine(), choice_.context) + "\n\n" : "";
+    }
+
     void print(const std::string& text) const {
         if (!arguments_.json.leaves_standard_output()) return;
         fmt::print("{}", text);
@@ -89,6 +127,7 @@ private:
 
     const Arguments& arguments_;
     BuilderChoice choice_;
+    const Sweep* sweep_;  // null where none was asked for
     BenchSettings settings_;
     std::vector<BuildResult> results_;
 };
@@ -102,14 +141,27 @@ void save_incomplete(const Bench& bench, const JsonOutput& json, const std::stri
     static_cast<void>(report_invalid_trees(bench.results()));
 }
 
-int run_bench(const Arguments& arguments) {
+/// What can be seen before any work.
+void check_arguments(const Arguments& arguments) {
+    const auto refuse = [](const char* what) { throw Error(ErrorCode::invalid_input, what); };
+    const bool sweeps = !arguments.sweep.empty();
     arguments.build.check();
+    if (sweeps && arguments.peers) refuse("--peers: a sweep is of clbvh's own builders; leave --peers or --sweep out");
+    if (sweeps && arguments.stages) refuse("--stages: a sweep's table has no stages (its JSON has); leave one out");
+    if (arguments.sweep_to > 0 && arguments.sweep != "size") refuse("--sweep-to is for --sweep size");
     if (arguments.peers) check_embree_peers(arguments.build.options);
     arguments.json.require_writable();
     std::ranges::for_each(arguments.scenes, require_scene);
+    if (arguments.sweep != "size") return;
+    for (const std::string& scene : arguments.scenes)
+        static_cast<void>(sweep_sizes(scene, arguments.sweep_to));
+}
+
+int run_bench(const Arguments& arguments) {
+    check_arguments(arguments);
     Bench bench(arguments);
     try {
-        bench.run_scenes();
+        bench.run();
     } catch (const std::exception& error) {
         save_incomplete(bench, arguments.json, interrupted() ? "interrupted" : error.what());
         throw;
@@ -137,14 +189,28 @@ Command add_bench_command(CLI::App& app) {
                      "Ids or groups (all, host, device) with commas between them; see clbvh builders")
         ->type_name("A,B,C")
         ->capture_default_str();
-    command->add_flag("--peers", arguments->peers,
-                      "Add Embree's builders, as host builders; of the options here they take --max-leaf, --budget, "
-                      "the costs and --threads, no other, and no presplitting");
+    command->add_flag(
+        "--peers", arguments->peers,
+        "Add Embree's builders, as host builders; of the options here they take --max-leaf, --budget, "
+        "the costs and --threads, no other, and no presplitting; embree-commit-low takes --threads alone");
     command->add_option("--runs", arguments->runs, "Timed runs of each builder, after one that warms up")
         ->type_name("N")
         ->check(require_one_or_more)
         ->capture_default_str();
     command->add_flag("--no-validate", arguments->unvalidated, "Do not prove the trees right");
+    command->add_flag("--stages", arguments->stages,
+                      "Show the stages of device builders: time, bytes moved, and their speed beside a copy's");
+    command
+        ->add_option("--sweep", arguments->sweep,
+                     "Run the builders that read it at many values of one option (its own value is not read then), or "
+                     "over generated scenes of many sizes")
+        ->check(CLI::IsMember(sweep_names()))
+        ->type_name("NAME");
+    command
+        ->add_option("--sweep-to", arguments->sweep_to,
+                     "Most triangles of --sweep size; the scene's COUNT unless given")
+        ->check(CLI::Range(std::uint32_t{1}, static_cast<std::uint32_t>(kMaxPrimitives)))
+        ->type_name("N");
     arguments->build.add_options(*command);
     arguments->json.add_option(*command);
     return {command, [arguments] { return run_bench(*arguments); }};

@@ -61,7 +61,8 @@ Bvh build_twice(const Arguments& arguments, const std::optional<Context>& contex
     const double first_build_ms = first_build.milliseconds();
     finished_runs = 1.0;
     const BuildStats stats = builder.run();
-    result = summarize_runs(builder, std::span(&stats, 1));
+    describe_builder(result, builder);
+    summarize_runs(result, std::span(&stats, 1));
     result.scene = arguments.scene;
     result.first_build_ms = first_build_ms;
     return builder.download();

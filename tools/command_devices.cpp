@@ -2,6 +2,8 @@
 
 #include <clbvh/core/error.hpp>
 #include <clbvh/device/device.hpp>
+#include <clbvh/device/profile.hpp>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,6 +42,36 @@ Table device_table(const std::vector<DeviceInfo>& devices, std::optional<std::si
     return table;
 }
 
+/// As find_profile(), but what is wrong with a file that CLBVH_PROFILE names becomes a reason, too.
+FoundProfile profile_of(const DeviceInfo& device) {
+    try {
+        return find_profile(device);
+    } catch (const Error& error) {
+        const char* const named = std::getenv("CLBVH_PROFILE");
+        return {named == nullptr ? "" : named, std::nullopt, error.what()};
+    }
+}
+
+nlohmann::ordered_json profile_json(const FoundProfile& found) {
+    nlohmann::ordered_json json{{"file", found.path.string()}, {"used", found.profile.has_value()}};
+    if (!found.reason.empty()) json["reason"] = found.reason;
+    return json;
+}
+
+/// One line for each device that has a profile.
+std::string profile_lines(const std::vector<DeviceInfo>& devices) {
+    std::string text;
+    for (const DeviceInfo& device : devices) {
+        const FoundProfile found = profile_of(device);
+        if (found.profile) text += fmt::format("device {}: profile {}\n", device.index, found.path.string());
+        if (!found.reason.empty()) {
+            text +=
+                fmt::format("device {}: profile {} is not used: {}\n", device.index, found.path.string(), found.reason);
+        }
+    }
+    return text;
+}
+
 int list(const JsonOutput& json) {
     json.require_writable();
     const std::vector<DeviceInfo> devices = list_devices();
@@ -50,8 +82,11 @@ int list(const JsonOutput& json) {
     for (const DeviceInfo& device : devices) {
         entries.push_back(to_json(device));
         entries.back()["default"] = device.index == default_index;
+        entries.back()["profile"] = profile_json(profile_of(device));
     }
-    if (json.leaves_standard_output()) fmt::print("{}", device_table(devices, default_index).text());
+    if (json.leaves_standard_output()) {
+        fmt::print("{}{}", device_table(devices, default_index).text(), profile_lines(devices));
+    }
     json.write({{"devices", entries}});
     return kExitSuccess;
 }

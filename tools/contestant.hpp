@@ -2,6 +2,7 @@
 
 #include <clbvh/core/build_stats.hpp>
 #include <clbvh/core/bvh.hpp>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -33,8 +34,8 @@ public:
     }
     /// Who it is and what its counted runs cost, of which there is at least one; nothing of the tree.
     [[nodiscard]] virtual BuildResult result() const = 0;
-    /// The tree of the last run.
-    [[nodiscard]] virtual Bvh tree() const = 0;
+    /// The tree of the last run; nothing where it cannot be read.
+    [[nodiscard]] virtual std::optional<Bvh> tree() const = 0;
 
 protected:
     virtual BuildStats build() = 0;

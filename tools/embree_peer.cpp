@@ -3,22 +3,18 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <clbvh/core/error.hpp>
-#include <cstdlib>
 #include <cstring>
-#include <new>
+#include <optional>
 #include <string>
-#include <type_traits>
 
-#include "embree_error.hpp"
+#include "embree_commit.hpp"
+#include "embree_device.hpp"
 #include "embree_tree.hpp"
+#include "huge_memory.hpp"
 #include "interrupt.hpp"
 #include "split_triangle.hpp"
 #include "stopwatch.hpp"
@@ -37,55 +33,6 @@ constexpr std::array kVariants{
     Variant{"embree-morton", RTC_BUILD_QUALITY_LOW},
     Variant{"embree-binned", RTC_BUILD_QUALITY_MEDIUM},
     Variant{"embree-sbvh", RTC_BUILD_QUALITY_HIGH},
-};
-
-template <auto Release>
-struct Releaser {
-    template <typename Handle>
-    void operator()(Handle* handle) const {
-        Release(handle);
-    }
-};
-using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, Releaser<rtcReleaseDevice>>;
-using EmbreeBvh = std::unique_ptr<std::remove_pointer_t<RTCBVH>, Releaser<rtcReleaseBVH>>;
-
-struct FreeMemory {
-    // The memory comes from std::aligned_alloc. NOLINTNEXTLINE(cppcoreguidelines-no-malloc)
-    void operator()(void* memory) const { std::free(memory); }
-};
-using PrimitiveMemory = std::unique_ptr<RTCBuildPrimitive, FreeMemory>;
-
-/// On huge pages, which the library's own builders ask for too.
-PrimitiveMemory allocate_primitives(std::size_t count) {
-    constexpr std::size_t page = std::size_t{2} << 20;
-    const std::size_t bytes = (count * sizeof(RTCBuildPrimitive) / page + 1) * page;
-    PrimitiveMemory memory(static_cast<RTCBuildPrimitive*>(std::aligned_alloc(page, bytes)));
-    if (!memory) throw Error(ErrorCode::out_of_memory, "no memory for Embree's primitives");
-#if defined(__linux__)
-    // Advice only: without huge pages everything still works.
-    static_cast<void>(madvise(memory.get(), bytes, MADV_HUGEPAGE));
-#endif
-    return memory;
-}
-
-/// What Embree has allocated, as its memory monitor reports it.
-class MemoryCount {
-public:
-    void watch(RTCDevice device) { rtcSetDeviceMemoryMonitorFunction(device, add, this); }
-    [[nodiscard]] std::uint64_t peak() const { return static_cast<std::uint64_t>(peak_.load()); }
-
-private:
-    static bool add(void* self, ssize_t bytes, bool) {
-        auto* count = static_cast<MemoryCount*>(self);
-        const std::int64_t now = count->now_ += bytes;
-        std::int64_t peak = count->peak_;
-        while (now > peak && !count->peak_.compare_exchange_weak(peak, now)) {
-        }
-        return true;
-    }
-
-    std::atomic<std::int64_t> now_ = 0;
-    std::atomic<std::int64_t> peak_ = 0;
 };
 
 std::vector<std::uint32_t> list_active(const Mesh& mesh) {
@@ -121,18 +68,17 @@ public:
           active_(inactive_count_ == 0 ? std::vector<std::uint32_t>{} : list_active(mesh)),
           count_(mesh.triangles.size() - inactive_count_),
           arena_(static_cast<int>(host_threads(options))),
-          primitives_(allocate_primitives(capacity())),
-          device_(rtcNewDevice("hugepages=1")) {
-        require(device_ != nullptr);
-        memory_.watch(device_.get());
-        bvh_.reset(rtcNewBVH(device_.get()));
-        require(bvh_ != nullptr);
+          primitives_(allocate_huge_memory(capacity() * sizeof(RTCBuildPrimitive), "Embree's primitives")),
+          device_(variant.id),
+          bvh_(rtcNewBVH(device_.get())) {
+        device_.require(bvh_ != nullptr);
     }
 
     [[nodiscard]] std::string_view name() const override { return variant_.id; }
 
     [[nodiscard]] BuildResult result() const override {
-        BuildResult result = summarize_runs(runs());
+        BuildResult result;
+        summarize_runs(result, runs());
         result.builder = variant_.id;
         result.kind = BuilderKind::host;
         result.is_peer = true;
@@ -140,7 +86,7 @@ public:
         return result;
     }
 
-    [[nodiscard]] Bvh tree() const override {
+    [[nodiscard]] std::optional<Bvh> tree() const override {
         Bvh bvh;
         if (count_ > 0) bvh = read_tree(root_, root_bounds());
         bvh.primitive_count = mesh_.triangles.size();
@@ -157,7 +103,7 @@ protected:
         if (count_ > 0) arena_.execute([&] { root_ = build_tree(); });
         stats.build_ms = whole.milliseconds();
         stats.stages = {{"bounds", 0.0, bounds_ms, 0}, {"build", 0.0, stats.build_ms - bounds_ms, 0}};
-        stats.peak_host_bytes = capacity() * sizeof(RTCBuildPrimitive) + memory_.peak();
+        stats.peak_host_bytes = capacity() * sizeof(RTCBuildPrimitive) + device_.peak_bytes();
         stats.inactive_primitives = inactive_count_;
         return stats;
     }
@@ -170,12 +116,8 @@ private:
         return static_cast<std::size_t>(factor * static_cast<double>(count_));
     }
 
-    void require(bool success) const {
-        if (success) return;
-        const RTCError code = rtcGetDeviceError(device_.get());
-        if (code == RTC_ERROR_CANCELLED) throw_if_interrupted();
-        throw Error(code == RTC_ERROR_OUT_OF_MEMORY ? ErrorCode::out_of_memory : ErrorCode::unsupported,
-                    std::string(variant_.id) + " failed with " + std::string(embree_error_name(code)));
+    [[nodiscard]] RTCBuildPrimitive* primitives() const {
+        return reinterpret_cast<RTCBuildPrimitive*>(primitives_.get());
     }
 
     void fill_primitives() const {
@@ -183,7 +125,7 @@ private:
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 const std::uint32_t id = inactive_count_ == 0 ? static_cast<std::uint32_t>(i) : active_[i];
                 const Aabb b = triangle_bounds(mesh_, id);
-                primitives_.get()[i] = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, id};
+                primitives()[i] = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, id};
             }
         });
     }
@@ -200,7 +142,7 @@ private:
         arguments.traversalCost = options_.inner_cost;
         arguments.intersectionCost = options_.primitive_cost;
         arguments.bvh = bvh_.get();
-        arguments.primitives = primitives_.get();
+        arguments.primitives = primitives();
         arguments.primitiveCount = count_;
         arguments.primitiveArrayCapacity = capacity();
         arguments.buildProgress = [](void*, double) { return !interrupted(); };
@@ -208,7 +150,7 @@ private:
         arguments.userPtr = const_cast<Mesh*>(&mesh_);  // which no callback writes to
         set_tree_callbacks(arguments);
         void* root = rtcBuildBVH(&arguments);
-        require(root != nullptr);
+        device_.require(root != nullptr);
         return root;
     }
 
@@ -227,10 +169,9 @@ private:
     std::vector<std::uint32_t> active_;  // empty where all are
     std::size_t count_;
     tbb::task_arena arena_;
-    PrimitiveMemory primitives_;
-    MemoryCount memory_;
-    Device device_;
-    EmbreeBvh bvh_;
+    HugeMemory primitives_;
+    EmbreeDevice device_;
+    EmbreeHandle<RTCBVH, rtcReleaseBVH> bvh_;
     EmbreeChild root_ = nullptr;
 };
 
@@ -246,9 +187,10 @@ void check_embree_peers(const BuildOptions& options) {
 std::vector<std::unique_ptr<TreeContestant>> make_embree_peers(const BuildOptions& options, const Mesh& mesh) {
     check_embree_peers(options);
     std::vector<std::unique_ptr<TreeContestant>> peers;
-    peers.reserve(kVariants.size());
+    peers.reserve(kVariants.size() + 1);
     for (const Variant& variant : kVariants)
         peers.push_back(std::make_unique<EmbreePeer>(variant, options, mesh));
+    peers.push_back(make_embree_commit(options, mesh));
     return peers;
 }
 

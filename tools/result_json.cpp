@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string>
+
+#include "machine.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -13,13 +16,23 @@ ordered_json sample_json(const Sample& sample) {
     return {{"median", sample.median}, {"min", sample.min}, {"max", sample.max}};
 }
 
+/// What the stage's kernels moved, and how fast: absolutely, and relative to a copy where one was measured.
+void set_traffic(ordered_json& entry, const StageStats& stage, const std::optional<Sample>& copy_gb_per_s) {
+    entry["launches"] = stage.launches;
+    entry["bytes_moved"] = stage.bytes_moved;
+    const double speed = gb_per_s(stage);
+    if (!std::isfinite(speed)) return;
+    entry["gb_per_s"] = speed;
+    if (copy_gb_per_s) entry["of_copy"] = speed / copy_gb_per_s->median;
+}
+
 ordered_json stages_json(const BuildResult& result) {
     ordered_json list = ordered_json::array();
     for (const StageStats& stage : result.stages) {
         ordered_json entry{{"name", stage.name}};
         if (result.kind == BuilderKind::device) entry["device_ms"] = stage.device_ms;
         entry["host_ms"] = stage.host_ms;
-        if (result.kind == BuilderKind::device) entry["launches"] = stage.launches;
+        if (result.kind == BuilderKind::device) set_traffic(entry, stage, result.copy_gb_per_s);
         list.push_back(std::move(entry));
     }
     return list;
@@ -43,25 +56,32 @@ ordered_json identity_json(const BuildResult& result) {
     return json;
 }
 
+void set_tree(ordered_json& json, const BuildResult& result) {
+    json["sah"] = result.sah;
+    json["depth"] = result.depth;
+    json["nodes"] = result.nodes;
+    json["leaves"] = result.leaves;
+    json["references"] = result.references;
+}
+
 ordered_json result_json(const BuildResult& result) {
     ordered_json json = identity_json(result);
     json["build_ms"] = sample_json(result.build_ms);
     json["mtris_per_s"] = result.mtris_per_s();
     json["stages"] = stages_json(result);
     if (result.kind == BuilderKind::device) {
+        json["launch_overhead_ms"] = sample_json(result.launch_overhead_ms);
         json["launches"] = result.launches;
         json["iterations"] = result.iterations;
     }
-    json["sah"] = result.sah;
-    json["depth"] = result.depth;
-    json["nodes"] = result.nodes;
-    json["leaves"] = result.leaves;
-    json["references"] = result.references;
+    if (result.has_tree) set_tree(json, result);
     json["peak_bytes_per_primitive"] = result.peak_bytes_per_primitive();
     json["inactive_primitives"] = result.inactive_primitives;
-    if (result.valid) json["valid"] = *result.valid;
+    if (result.has_tree && result.valid) json["valid"] = *result.valid;
     if (result.first_build_ms) json["first_build_ms"] = *result.first_build_ms;
     if (result.native_sort_ms) json["native_sort_ms"] = sample_json(*result.native_sort_ms);
+    if (result.copy_gb_per_s) json["copy_gb_per_s"] = sample_json(*result.copy_gb_per_s);
+    if (result.sweep) json["sweep"] = {{"what", result.sweep->what}, {"value", result.sweep->value}};
     return json;
 }
 
@@ -85,13 +105,26 @@ ordered_json options_json(const BuildOptions& options) {
         {"shape", to_string(options.shape)},
         {"sort_shape", to_string(options.sort_shape)},
         {"morton_code", to_string(options.morton_code)},
+        {"code_bits", options.code_bits},
         {"neighbour_encoding", to_string(options.neighbour_encoding)},
         {"neighbour_search", to_string(options.neighbour_search)},
         {"single_group_threshold", options.single_group_threshold},
         {"chunk_size", options.chunk_size},
         {"work_group_size", options.work_group_size},
         {"range_count", options.range_count},
+        {"hploc_quality", to_string(options.hploc_quality)},
+        {"hploc_search", to_string(options.hploc_search)},
+        {"cluster_limit", options.cluster_limit},
+        {"small_range", options.small_range},
+        {"small_limit", options.small_limit},
+        {"merge_pairs", to_string(options.merge_pairs)},
     };
+}
+
+/// The file of the profile in use, else null.
+ordered_json profile_json(const std::optional<Context>& context) {
+    if (!context || !context->profile().profile) return nullptr;
+    return context->profile().path.string();
 }
 
 }  // namespace
@@ -119,7 +152,9 @@ ordered_json to_json(const std::optional<Context>& context, const BuildOptions& 
     ordered_json list = ordered_json::array();
     for (const BuildResult& result : results)
         list.push_back(result_json(result));
-    return {{"device", context ? to_json(context->device()) : ordered_json()},
+    return {{"machine", to_json(describe_machine(), context)},
+            {"device", context ? to_json(context->device()) : ordered_json()},
+            {"profile", profile_json(context)},
             {"options", options_json(options)},
             {"results", std::move(list)}};
 }

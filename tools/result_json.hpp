@@ -11,8 +11,9 @@ namespace clbvh::tool {
 
 [[nodiscard]] nlohmann::ordered_json to_json(const DeviceInfo& device);
 
-/// The document of `build` and `bench`: the device, null where none was opened, the options under the names of
-/// BuildOptions, and one entry per result.
+/// The document of `build` and `bench`: the machine, the device, null where none was opened, the file of
+/// its profile, null where none is used, the options under the
+/// names of BuildOptions, and one entry per result.
 [[nodiscard]] nlohmann::ordered_json to_json(const std::optional<Context>& context, const BuildOptions& options,
                                              std::span<const BuildResult> results);
 

@@ -1,6 +1,9 @@
 #include "table.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -32,6 +35,10 @@ std::string Table::text() const {
         text += line + '\n';
     }
     return text;
+}
+
+std::string fixed_text(double value, int decimals) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
 }
 
 }  // namespace clbvh::tool

@@ -21,4 +21,7 @@ private:
     Align others_;
 };
 
+/// A number for a cell; "-" where it is not finite.
+[[nodiscard]] std::string fixed_text(double value, int decimals);
+
 }  // namespace clbvh::tool
