@@ -137,7 +137,9 @@ bool Session::joins_programs() const noexcept {
 }
 
 bool Session::may_prefer_lane_shape() const noexcept {
-    return info_.type == DeviceType::cpu && lane_shape_works_.value_or(true);
+    // Mesa's rusticl (22.3) ends the process where a kernel asks for a prefetch, the self-test's too.
+    const bool survives_self_test = info_.platform != "rusticl";
+    return info_.type == DeviceType::cpu && survives_self_test && lane_shape_works_.value_or(true);
 }
 
 bool Session::prefers_lane_shape() {
