@@ -39,8 +39,9 @@ enum class NeighbourSearch : std::uint8_t {
 /// Presets of H-PLOC: what its options become where they are left to it.
 enum class HplocQuality : std::uint8_t {
     balanced,  ///< cluster_limit 16, small_range 1, merge_pairs on: trees as good as PLOC's.
-    fast,      ///< cluster_limit 16, small_range 256 with small_limit 8, merge_pairs on: faster, trees a little worse.
-               ///< Also code_bits 33, which is the front end's and so concerns any device builder with this preset.
+    fast,  ///< cluster_limit 16, small_range 256 with small_limit 8, merge_pairs on: faster in the lane shape, slower
+           ///< in the group shape; trees a little worse. Also code_bits 33, which is the front end's and so concerns
+           ///< any device builder with this preset.
 };
 
 /// Which clusters of a node H-PLOC compares.

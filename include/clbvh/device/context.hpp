@@ -30,14 +30,16 @@ struct ContextOptions {
 };
 
 /// A device with its OpenCL context, its queue and the programs built for it. Cheap to copy: copies share everything.
-/// Programs are built on first use and kept as long as any copy lives. One thread at a time.
+/// Programs are built when a builder is made that needs them, and kept as long as any copy lives. One thread at a time.
 class Context {
 public:
     /// Opens the device that pick_device(selector) picks, with a context and an in-order profiling queue of its own.
+    /// Throws what pick_device throws; Error(invalid_input) where CLBVH_CACHE is none of auto, on, off; and, unless
+    /// options.use_profile is off, Error(invalid_input or io) where CLBVH_PROFILE names a file that is no profile.
     [[nodiscard]] static Context open(std::string_view selector = {}, const ContextOptions& options = {});
 
     /// Adopts the caller's queue, in order or out of order, and retains it, its context and its device. Stage device
-    /// times are 0 where the queue was made without CL_QUEUE_PROFILING_ENABLE.
+    /// times are 0 where the queue was made without CL_QUEUE_PROFILING_ENABLE. Throws what open throws of variables.
     [[nodiscard]] static Context adopt(cl_command_queue queue, const ContextOptions& options = {});
 
     [[nodiscard]] const DeviceInfo& device() const noexcept;
