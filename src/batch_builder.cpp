@@ -172,7 +172,8 @@ BatchJob BatchBuilder::State::check(const DeviceInput& input, const DeviceBatch&
     const CallerMemory work = device::look_at(session, "the scratch", rest, plan.scratch_bytes());
     for (const CallerMemory& memory : {nodes_memory, ids, counts, work})
         device::check_views_allowed(memory, alignment);
-    device::check_apart({nodes_memory, ids, counts, work, table, checked.compared});
+    device::check_apart({nodes_memory, ids, counts, work, table, checked.vertices});
+    device::check_apart({nodes_memory, ids, counts, work, table, checked.indices});
     BatchJob job;
     job.mesh = checked.mesh;
     job.tree_count = batch.tree_count;
@@ -291,6 +292,7 @@ void BatchBuilder::enqueue(cl_command_queue queue, const DeviceInput& input, con
         if (device::count_of(input) == 0 && batch.tree_count > 0) {
             const CallerMemory counts = device::look_at(session, "the active count", result.active_count,
                                                         batch.tree_count * std::uint64_t{sizeof(cl_uint)});
+            device::check_multiple("the active count's offset", result.active_count.offset, 0, sizeof(cl_uint));
             launcher.clear_uints(counts.buffer, counts.offset, batch.tree_count);
         } else if (batch.tree_count > 0) {
             const BatchJob job = state.check(input, batch, scratch, result);

@@ -85,7 +85,8 @@ device::CallerBuild DeviceBuilder::State::check(const DeviceInput& input, const 
     const CallerMemory rest = device::look_at(session, "the scratch", scratch, needed.scratch);
     for (const CallerMemory& memory : {nodes, ids, rest})
         device::check_views_allowed(memory, alignment);
-    device::check_apart({nodes, ids, rest, checked.compared, active_count});
+    device::check_apart({nodes, ids, rest, checked.vertices, active_count});
+    device::check_apart({nodes, ids, rest, checked.indices, active_count});
     build.mesh = checked.mesh;
     build.plan = plan(count);
     build.memory = device::cut_scratch(nodes.place, ids.place, rest.place, build.plan);

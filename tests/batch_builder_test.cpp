@@ -172,6 +172,10 @@ TEST_CASE("batch builder: nothing to build is no error") {
     result.active_count = {counts(), 4};
     builder.enqueue(queue(), DeviceTriangles{}, {2, {}}, {}, result);
     builder.enqueue(queue(), DeviceTriangles{}, {}, {}, {});
+    result.active_count.offset = 2;
+    expect_error(ErrorCode::invalid_input, {"the active count's offset is 2"}, [&] {
+        builder.enqueue(queue(), DeviceTriangles{}, {2, {}}, {}, result);
+    });
     CHECK(read_all<std::uint32_t>(counts, 3) == std::vector<std::uint32_t>{7, 0, 0});
 }
 

@@ -285,6 +285,15 @@ TEST_CASE("device builder: what is wrong with the arguments is named, and nothin
     expect_refused({"the nodes", "multiple of"}, [](Arguments& a) { a.result.nodes.offset += 4; });
     expect_refused({"the nodes and the primitive ids overlap"},
                    [](Arguments& a) { a.result.primitive_ids = a.result.nodes; });
+    expect_refused({"the scratch and the vertices overlap"}, [](Arguments& a) { a.input.vertices = a.scratch; });
+    expect_refused({"the scratch", "CL_MEM_USE_HOST_PTR", "64 bytes"}, [](Arguments& a) {
+        static std::vector<float> floats(1 << 20);
+        // One float beyond a vector's alignment, wherever the array begins.
+        const std::size_t aligned = (64 - reinterpret_cast<std::uintptr_t>(floats.data()) % 64) % 64 / sizeof(float);
+        static const cl::Buffer unaligned(shared_context().session().context(), CL_MEM_USE_HOST_PTR,
+                                          (floats.size() - 32) * sizeof(float), floats.data() + aligned + 1);
+        a.scratch = {unaligned(), 0};
+    });
     expect_refused({"the nodes and the indices overlap"}, [](Arguments& a) { a.input.indices = a.result.nodes; });
     expect_refused({"the active count's offset is 2"}, [](Arguments& a) { a.result.active_count.offset = 2; });
     expect_refused({"the vertices", "no buffer"}, [](Arguments& a) { a.input.vertices = {}; });

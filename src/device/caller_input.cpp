@@ -25,9 +25,9 @@ CallerInput check_form(const Session& session, const DeviceBoxes& input) {
     check_multiple("the boxes' offset", input.boxes.offset, 0, kFloat);
     check_multiple("the boxes' stride", input.stride, sizeof(Aabb), kFloat);
     CallerInput checked;
-    checked.compared = look_at(session, "the boxes", input.boxes, used_bytes(input.count, input.stride, sizeof(Aabb)));
+    checked.vertices = look_at(session, "the boxes", input.boxes, used_bytes(input.count, input.stride, sizeof(Aabb)));
     checked.mesh.form = InputForm::boxes;
-    set_vertices(checked.mesh, checked.compared, input.stride);
+    set_vertices(checked.mesh, checked.vertices, input.stride);
     return checked;
 }
 
@@ -36,13 +36,12 @@ CallerInput check_form(const Session& session, const DeviceTriangles& input) {
     check_multiple("the vertices' stride", input.vertex_stride, sizeof(Vec3), kFloat);
     const bool is_indexed = input.indices.buffer != nullptr;
     const std::uint64_t least_vertices = is_indexed ? 1 : 3 * std::uint64_t{input.count};
-    const CallerMemory vertices =
-        look_at(session, "the vertices", input.vertices, used_bytes(least_vertices, input.vertex_stride, sizeof(Vec3)));
     CallerInput checked;
-    set_vertices(checked.mesh, vertices, input.vertex_stride);
+    checked.vertices =
+        look_at(session, "the vertices", input.vertices, used_bytes(least_vertices, input.vertex_stride, sizeof(Vec3)));
+    set_vertices(checked.mesh, checked.vertices, input.vertex_stride);
     if (!is_indexed) {
         checked.mesh.form = InputForm::triangles;
-        checked.compared = vertices;
         return checked;
     }
     const bool is_short = input.index_type == IndexType::uint16;
@@ -50,9 +49,9 @@ CallerInput check_form(const Session& session, const DeviceTriangles& input) {
     const std::uint64_t stride = input.index_stride != 0 ? input.index_stride : 3 * index_bytes;
     check_multiple("the indices' offset", input.indices.offset, 0, index_bytes);
     check_multiple("the indices' stride", stride, 3 * index_bytes, index_bytes);
-    checked.compared = look_at(session, "the indices", input.indices, used_bytes(input.count, stride, 3 * index_bytes));
+    checked.indices = look_at(session, "the indices", input.indices, used_bytes(input.count, stride, 3 * index_bytes));
     checked.mesh.form = is_short ? InputForm::indexed_16 : InputForm::indexed_32;
-    checked.mesh.triangles = checked.compared.buffer;
+    checked.mesh.triangles = checked.indices.buffer;
     checked.mesh.triangle_offset = input.indices.offset;
     checked.mesh.triangle_stride = static_cast<std::uint32_t>(stride);
     return checked;

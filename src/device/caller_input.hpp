@@ -11,7 +11,8 @@ namespace clbvh::device {
 /// The caller's primitives, looked at.
 struct CallerInput {
     DeviceMesh mesh;
-    CallerMemory compared;  ///< what of them may be compared with other memory: vertices with indices may be anywhere
+    CallerMemory vertices;  ///< or boxes; where there are indices, the first vertex alone: the others may be anywhere
+    CallerMemory indices;   ///< empty where there are none
 };
 
 /// Throws Error(invalid_input) that names what is wrong with `input`: everything but its values is checked.

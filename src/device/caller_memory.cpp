@@ -17,6 +17,17 @@ Block place_of(const cl::Buffer& buffer, std::uint64_t offset) {
     return {cl::Buffer(parent(), true), buffer.getInfo<CL_MEM_OFFSET>() + offset};
 }
 
+// The widest vector that kernels load and store, where the processor may insist on its alignment.
+constexpr std::uintptr_t kVectorBytes = 64;
+
+// Devices with memory of their own lay it out as they must; the caller's stays where it is.
+bool is_vector_aligned(const CallerMemory& memory) {
+    const cl::Buffer& buffer = memory.place.buffer;
+    if ((buffer.getInfo<CL_MEM_FLAGS>() & CL_MEM_USE_HOST_PTR) == 0) return true;
+    const auto address = reinterpret_cast<std::uintptr_t>(buffer.getInfo<CL_MEM_HOST_PTR>());
+    return (address + memory.place.offset) % kVectorBytes == 0;
+}
+
 bool have_common_bytes(const CallerMemory& a, const CallerMemory& b) {
     return a.place.buffer() == b.place.buffer() && a.place.offset < b.place.offset + b.bytes &&
            b.place.offset < a.place.offset + a.bytes;
@@ -57,6 +68,10 @@ void check_views_allowed(const CallerMemory& memory, std::uint64_t alignment) {
                                 " bytes into its memory, but must at a "
                                 "multiple of " +
                                 std::to_string(alignment));
+    }
+    if (!is_vector_aligned(memory)) {
+        refuse(memory.name, "lies in host memory (CL_MEM_USE_HOST_PTR) that must be aligned to " +
+                                std::to_string(kVectorBytes) + " bytes");
     }
 }
 

@@ -92,13 +92,17 @@ Profile read_profile(std::string_view text) {
 
 std::string read_file(const fs::path& path) {
     std::error_code error;
-    const std::uintmax_t bytes = fs::is_regular_file(path, error) ? fs::file_size(path, error) : kMostBytes + 1;
+    const fs::file_status status = fs::status(path, error);
+    // Opening a pipe would wait for whoever writes to it.
+    const bool is_too_large = fs::is_regular_file(status) && fs::file_size(path, error) > kMostBytes;
+    if (is_too_large || (fs::exists(status) && !fs::is_regular_file(status))) {
+        throw Error(ErrorCode::invalid_input, path.string() + " is no profile");
+    }
     errno = 0;
     std::ifstream file(path, std::ios::binary);
     if (!file) {
         throw Error(ErrorCode::io, "cannot read " + path.string() + ": " + std::generic_category().message(errno));
     }
-    if (error || bytes > kMostBytes) throw Error(ErrorCode::invalid_input, path.string() + " is no profile");
     return {std::istreambuf_iterator<char>(file), {}};
 }
 

@@ -1,6 +1,8 @@
 // Profiles: what a file says, which file is used, and that options win, devices are respected and trees stay.
 #include "clbvh/device/profile.hpp"
 
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 #include <string>
 
@@ -154,6 +156,14 @@ TEST_CASE("profile: CLBVH_PROFILE names another file, or none") {
     {
         const EnvironmentVariable missing("CLBVH_PROFILE", "/no/such/file");
         expect_error(ErrorCode::io, {"CLBVH_PROFILE", "/no/such/file"}, [] { (void)Context::open(); });
+    }
+    {
+        // Opening it would wait for a writer that never comes.
+        const std::string pipe = folder.write_elsewhere("");
+        fs::remove(pipe);
+        REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+        const EnvironmentVariable named("CLBVH_PROFILE", pipe.c_str());
+        expect_error(ErrorCode::invalid_input, {"CLBVH_PROFILE", pipe, "no profile"}, [] { (void)Context::open(); });
     }
     const EnvironmentVariable off("CLBVH_PROFILE", "off");
     CHECK_FALSE(find_profile(device).profile.has_value());

@@ -84,7 +84,7 @@ public:
     [[nodiscard]] DeviceBuildSizes sizes(std::uint64_t primitive_count) const;
 
     /// What the sum of a buffer's own offset and DeviceSpan::offset must be a multiple of, in bytes, for the nodes, the
-    /// primitive ids and the scratch.
+    /// primitive ids and the scratch. Host memory under them (CL_MEM_USE_HOST_PTR) must be aligned to 64 bytes.
     [[nodiscard]] std::uint64_t alignment() const noexcept;
 
     /// Enqueues a build that begins when the events in `wait_list` are complete; `event`, where given, becomes the
