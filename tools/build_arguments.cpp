@@ -112,8 +112,9 @@ void BuildArguments::add_device_options(CLI::App& command) {
     command.add_option("--device", device, "Index, type (gpu, cpu, accelerator) or part of a name; see clbvh devices")
         ->group(kDevice)
         ->type_name("D");
-    add_number(command, "--radius", &BuildOptions::search_radius,
-               "Neighbours searched to each side by PLOC and PLOC++, 1 to 32")
+    add_number(
+        command, "--radius", &BuildOptions::search_radius,
+        "Neighbours searched to each side by PLOC and PLOC++, 1 to 32; by hploc with --hploc-search window, 31 at most")
         ->group(kDevice)
         ->type_name("R");
     add_choice(command, "--shape", options.shape, {Shape::automatic, Shape::group, Shape::lane}, shape_from,
@@ -156,7 +157,9 @@ void BuildArguments::add_device_tuning(CLI::App& command) {
 
 void BuildArguments::add_hploc_options(CLI::App& command) {
     add_choice(command, "--quality", options.hploc_quality, {HplocQuality::balanced, HplocQuality::fast},
-               hploc_quality_from, "hploc: what the options below become where they are left to it")
+               hploc_quality_from,
+               "hploc: what the options below become where they are left to it; fast also means --code-bits 33, "
+               "for all device builders")
         ->group(kHploc);
     add_choice(command, "--hploc-search", options.hploc_search,
                {HplocSearch::automatic, HplocSearch::all_pairs, HplocSearch::window}, hploc_search_from,
