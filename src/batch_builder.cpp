@@ -28,6 +28,11 @@ device::BuildSettings resolve_batch_settings(const BuildOptions& options, Sessio
         throw Error(ErrorCode::unsupported,
                     "batches are sorted by 3D Morton codes of 33 or 44 bits; leave morton_code and code_bits alone");
     }
+    if (!settings.lane() && options.work_group_size > device::kLargestBatchGroup) {
+        throw Error(ErrorCode::unsupported, "work_group_size " + std::to_string(options.work_group_size) +
+                                                " is more than the " + std::to_string(device::kLargestBatchGroup) +
+                                                " work items that a tree of a batch gets");
+    }
     const device::ProgramSpec program = device::batch_program(settings);
     session.prepare({std::span(&program, 1)});
     return settings;
@@ -174,6 +179,9 @@ BatchJob BatchBuilder::State::check(const DeviceInput& input, const DeviceBatch&
         device::check_views_allowed(memory, alignment);
     device::check_apart({nodes_memory, ids, counts, work, table, checked.vertices});
     device::check_apart({nodes_memory, ids, counts, work, table, checked.indices});
+    device::check_readable(table);
+    for (const CallerMemory& memory : {checked.vertices, checked.indices, table})
+        device::check_not_cut(memory, {nodes_memory, ids, counts, work});
     BatchJob job;
     job.mesh = checked.mesh;
     job.tree_count = batch.tree_count;

@@ -63,7 +63,8 @@ clbvh_options default_options() {
             defaults.bin_count,
             defaults.split_alpha,
             defaults.reference_budget,
-            0};
+            static_cast<std::uint32_t>(defaults.hploc_quality),
+            defaults.code_bits};
 }
 
 clbvh::BuildOptions to_build_options(const clbvh_options* given) {
@@ -75,7 +76,7 @@ clbvh::BuildOptions to_build_options(const clbvh_options* given) {
     require(options.shape <= 2, "clbvh_options.shape is not 0, 1 or 2");
     require(options.extended_morton_code <= 1, "clbvh_options.extended_morton_code is not 0 or 1");
     require(options.exact_distances <= 1, "clbvh_options.exact_distances is not 0 or 1");
-    require(options.fast_hploc <= 1, "clbvh_options.fast_hploc is not 0 or 1");
+    require(options.hploc_quality <= 1, "clbvh_options.hploc_quality is not 0 or 1");
     clbvh::BuildOptions result;
     result.search_radius = options.search_radius;
     result.shape = static_cast<clbvh::Shape>(options.shape);
@@ -92,7 +93,8 @@ clbvh::BuildOptions to_build_options(const clbvh_options* given) {
     result.bin_count = options.bin_count;
     result.split_alpha = options.split_alpha;
     result.reference_budget = options.reference_budget;
-    result.hploc_quality = static_cast<clbvh::HplocQuality>(options.fast_hploc);
+    result.hploc_quality = static_cast<clbvh::HplocQuality>(options.hploc_quality);
+    result.code_bits = options.code_bits;
     if (options.progress != nullptr) {
         result.progress = [options](const clbvh::Progress& progress) {
             return options.progress(options.progress_user, std::string(progress.stage).c_str(), progress.fraction) != 0;

@@ -87,6 +87,8 @@ device::CallerBuild DeviceBuilder::State::check(const DeviceInput& input, const 
         device::check_views_allowed(memory, alignment);
     device::check_apart({nodes, ids, rest, checked.vertices, active_count});
     device::check_apart({nodes, ids, rest, checked.indices, active_count});
+    for (const CallerMemory& memory : {checked.vertices, checked.indices})
+        device::check_not_cut(memory, {nodes, ids, rest});
     build.mesh = checked.mesh;
     build.plan = plan(count);
     build.memory = device::cut_scratch(nodes.place, ids.place, rest.place, build.plan);

@@ -81,7 +81,7 @@ const BuilderRow kRows[] = {
      &device::kPlocppTwoLevel,
      nullptr},
     {{"hploc", "H-PLOC: the Morton tree bottom-up, the clusters of each node reduced among themselves",
-      "Benthin, Meister, Barczak, Mehalwal, Tsakok, Kensler 2024", BuilderKind::device, true},
+      "Benthin, Meister, Barczak, Mehalwal, Tsakok, Kensler 2024", BuilderKind::device, true, false, false, true},
      &device::kHploc,
      nullptr},
     {{"lbvh", "LBVH: the tree that sorted Morton codes imply, bottom-up in one pass",

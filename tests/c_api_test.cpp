@@ -148,7 +148,7 @@ TEST_CASE("the C interface knows both presets of hploc") {
     clbvh_options options;
     clbvh_default_options(&options, sizeof(options));
     for (const std::uint32_t fast : {0u, 1u}) {
-        options.fast_hploc = fast;
+        options.hploc_quality = fast;
         CBuilder c;
         REQUIRE(clbvh_create_builder("hploc", nullptr, &options, &c.handle) == CLBVH_OK);
         REQUIRE(build(c.handle, mesh) == CLBVH_OK);
@@ -160,10 +160,16 @@ TEST_CASE("the C interface knows both presets of hploc") {
         REQUIRE(count == expected.nodes.size());
         CHECK(std::memcmp(nodes, expected.nodes.data(), count * sizeof(clbvh_node)) == 0);
     }
-    options.fast_hploc = 2;
+    clbvh_default_options(&options, sizeof(options));
+    options.code_bits = 40;
+    CBuilder unknown_bits;
+    CHECK(clbvh_create_builder("hploc", nullptr, &options, &unknown_bits.handle) == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("code_bits"));
+    clbvh_default_options(&options, sizeof(options));
+    options.hploc_quality = 2;
     CBuilder c;
     CHECK(clbvh_create_builder("hploc", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
-    CHECK_THAT(clbvh_last_error(), Catch::Contains("fast_hploc"));
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("hploc_quality"));
 }
 
 TEST_CASE("host builders take their options through the C interface, and callers may know fewer of them") {

@@ -294,6 +294,15 @@ TEST_CASE("device builder: what is wrong with the arguments is named, and nothin
                                           (floats.size() - 32) * sizeof(float), floats.data() + aligned + 1);
         a.scratch = {unaligned(), 0};
     });
+    expect_refused({"the vertices", "CL_MEM_WRITE_ONLY"}, [](Arguments& a) {
+        static const cl::Buffer write_only(shared_context().session().context(), CL_MEM_WRITE_ONLY, 1 << 20);
+        a.input.vertices = {write_only(), 0};
+    });
+    expect_refused({"the indices and the scratch lie in one buffer", "sub-buffer"}, [&](Arguments& a) {
+        static const cl::Buffer large(shared_context().session().context(), CL_MEM_READ_WRITE, 1 << 22);
+        a.scratch = {large(), 0};
+        a.input.indices = {large(), 1 << 21};
+    });
     expect_refused({"the nodes and the indices overlap"}, [](Arguments& a) { a.input.indices = a.result.nodes; });
     expect_refused({"the active count's offset is 2"}, [](Arguments& a) { a.result.active_count.offset = 2; });
     expect_refused({"the vertices", "no buffer"}, [](Arguments& a) { a.input.vertices = {}; });

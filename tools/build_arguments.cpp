@@ -129,8 +129,9 @@ void BuildArguments::add_device_tuning(CLI::App& command) {
     add_choice(command, "--morton", options.morton_code, {MortonCode::xyz, MortonCode::extended}, morton_code_from,
                "Spatial code that orders the primitives")
         ->group(kTuning);
-    add_number(command, "--code-bits", &BuildOptions::code_bits,
-               "Leading bits of the spatial code that are sorted: 33, 44 or 63; 0: 44, or 33 with --quality fast")
+    add_number(
+        command, "--code-bits", &BuildOptions::code_bits,
+        "Leading bits of the spatial code that are sorted: 33, 44 or 63; 0: 44, or 33 for hploc with --quality fast")
         ->group(kTuning);
     add_choice(command, "--encoding", options.neighbour_encoding,
                {NeighbourEncoding::automatic, NeighbourEncoding::bits32, NeighbourEncoding::bits64},
@@ -158,8 +159,7 @@ void BuildArguments::add_device_tuning(CLI::App& command) {
 void BuildArguments::add_hploc_options(CLI::App& command) {
     add_choice(command, "--quality", options.hploc_quality, {HplocQuality::balanced, HplocQuality::fast},
                hploc_quality_from,
-               "hploc: what the options below become where they are left to it; fast also means --code-bits 33, "
-               "for all device builders")
+               "hploc: what the options below become where they are left to it; fast also means --code-bits 33")
         ->group(kHploc);
     add_choice(command, "--hploc-search", options.hploc_search,
                {HplocSearch::automatic, HplocSearch::all_pairs, HplocSearch::window}, hploc_search_from,

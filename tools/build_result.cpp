@@ -75,7 +75,7 @@ void describe_builder(BuildResult& result, const Builder& builder) {
     result.kind = builder.info().kind;
     if (result.kind == BuilderKind::host) result.threads = host_threads(builder.options());
     result.shape = builder.shape();
-    result.radius = builder.info().uses_search_radius ? builder.options().search_radius : 0;
+    result.radius = reads_search_radius(builder.info(), builder.options()) ? builder.options().search_radius : 0;
 }
 
 void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool validated) {

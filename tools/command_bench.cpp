@@ -55,7 +55,7 @@ public:
         : arguments_(arguments),
           choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)),
           sweep_(arguments.sweep.empty() ? nullptr : &find_sweep(arguments.sweep)) {
-        if (sweep_ != nullptr) keep_readers(*sweep_, choice_);
+        if (sweep_ != nullptr) keep_readers(*sweep_, arguments.build.options, choice_);
         settings_ = {choice_.ids,    arguments.peers, arguments.runs, !arguments.unvalidated, arguments.build.options,
                      choice_.context};
     }

@@ -26,6 +26,11 @@ std::string missing_device() {
     }
 }
 
+std::string radius_text(const BuilderInfo& builder) {
+    if (!builder.uses_search_radius) return "no";
+    return reads_search_radius(builder, {}) ? "yes" : "in a window";
+}
+
 int list(const JsonOutput& json) {
     json.require_writable();
     const std::string missing = missing_device();
@@ -34,8 +39,7 @@ int list(const JsonOutput& json) {
     for (const BuilderInfo& builder : builders()) {
         const std::string_view reason = builder.kind == BuilderKind::device ? missing : std::string_view{};
         table.add_row({std::string(builder.id), std::string(to_string(builder.kind)), reason.empty() ? "yes" : "no",
-                       builder.uses_search_radius ? "yes" : "no", std::string(builder.paper),
-                       std::string(builder.title)});
+                       radius_text(builder), std::string(builder.paper), std::string(builder.title)});
         entries.push_back({{"id", builder.id},
                            {"title", builder.title},
                            {"paper", builder.paper},

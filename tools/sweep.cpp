@@ -19,28 +19,32 @@ const std::vector<Sweep>& sweeps() {
     static const std::vector<Sweep> list{
         {"radius",
          "--radius",
-         [](const BuilderInfo& builder) { return builder.uses_search_radius; },
+         reads_search_radius,
          [](BuildOptions& options, std::uint32_t value) { options.search_radius = value; },
          {1, 2, 4, 8, 12, 16, 24, 32}},
-        {"size", "", [](const BuilderInfo&) { return true; }, [](BuildOptions&, std::uint32_t) {}, {}},
+        {"size",
+         "",
+         [](const BuilderInfo&, const BuildOptions&) { return true; },
+         [](BuildOptions&, std::uint32_t) {},
+         {}},
         {"chunk",
          "--chunk",
-         [](const BuilderInfo& builder) { return builder.uses_chunk_size; },
+         [](const BuilderInfo& builder, const BuildOptions&) { return builder.uses_chunk_size; },
          [](BuildOptions& options, std::uint32_t value) { options.chunk_size = value; },
          {64, 128, 256, 512, 1024, 2048, 4096}},
         {"threshold",
          "--threshold",
-         [](const BuilderInfo& builder) { return builder.uses_single_group_threshold; },
+         [](const BuilderInfo& builder, const BuildOptions&) { return builder.uses_single_group_threshold; },
          [](BuildOptions& options, std::uint32_t value) { options.single_group_threshold = value; },
          {256, 512, 1024, 2048, 4096, 8192, 16384, 32768, 65536}},
     };
     return list;
 }
 
-std::string readers_text(const Sweep& sweep) {
+std::string readers_text(const Sweep& sweep, const BuildOptions& options) {
     std::vector<std::string_view> ids;
     for (const BuilderInfo& builder : builders()) {
-        if (sweep.reads(builder)) ids.push_back(builder.id);
+        if (sweep.reads(builder, options)) ids.push_back(builder.id);
     }
     return fmt::format("{}", fmt::join(ids, ", "));
 }
@@ -76,15 +80,15 @@ const Sweep& find_sweep(std::string_view name) {
     return *std::ranges::find(sweeps(), name, &Sweep::what);
 }
 
-void keep_readers(const Sweep& sweep, BuilderChoice& choice) {
+void keep_readers(const Sweep& sweep, const BuildOptions& options, BuilderChoice& choice) {
     const auto fail = [&](const std::string& why) {
         throw Error(ErrorCode::invalid_input,
-                    fmt::format("--sweep {}: {}; those that do: {}", sweep.what, why, readers_text(sweep)));
+                    fmt::format("--sweep {}: {}; those that do: {}", sweep.what, why, readers_text(sweep, options)));
     };
     for (const std::string& id : choice.named_ids) {
-        if (!sweep.reads(find_builder(id))) fail(fmt::format("{} does not read {}", id, sweep.option));
+        if (!sweep.reads(find_builder(id), options)) fail(fmt::format("{} does not read {}", id, sweep.option));
     }
-    std::erase_if(choice.ids, [&](const std::string& id) { return !sweep.reads(find_builder(id)); });
+    std::erase_if(choice.ids, [&](const std::string& id) { return !sweep.reads(find_builder(id), options); });
     if (!choice.ids.empty()) return;
     fail(fmt::format("no builder that can run here reads {}{}{}", sweep.option, choice.reason.empty() ? "" : ": ",
                      choice.reason));

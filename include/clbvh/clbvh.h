@@ -53,8 +53,8 @@ typedef struct clbvh_options {
     uint32_t bin_count;              /**< binned-sah, sbvh: bins an axis, 2 to 64. */
     float split_alpha;               /**< sbvh: see clbvh::BuildOptions, 0 to 1. */
     float reference_budget;          /**< sbvh: most references, as a multiple of the primitives, 1 to 8. */
-    uint32_t fast_hploc;             /**< 0 the preset balanced of hploc, 1 fast, which also shortens every
-                                          device builder's codes to 33 bits; see clbvh::HplocQuality. */
+    uint32_t hploc_quality;          /**< 0 the preset balanced of hploc, 1 fast; see clbvh::HplocQuality. */
+    uint32_t code_bits;              /**< Bits of the spatial code that are sorted: 33, 44, 63; 0: chosen. */
 } clbvh_options;
 
 /** A builder, on a device or on the host, with its programs, its memory and the last finished tree. One thread at a

@@ -3,6 +3,8 @@
 #include <span>
 #include <string_view>
 
+#include "clbvh/core/build_options.hpp"
+
 namespace clbvh {
 
 /// Where a builder runs.
@@ -14,10 +16,16 @@ struct BuilderInfo {
     std::string_view title;  ///< One line for people.
     std::string_view paper;  ///< Authors and year.
     BuilderKind kind;
-    bool uses_search_radius;                   ///< BuildOptions::search_radius matters.
+    bool uses_search_radius;                   ///< BuildOptions::search_radius matters; see reads_search_radius().
     bool uses_chunk_size = false;              ///< BuildOptions::chunk_size matters, in the lane shape.
     bool uses_single_group_threshold = false;  ///< BuildOptions::single_group_threshold matters.
+    bool uses_hploc_options = false;           ///< Those of BuildOptions from hploc_quality on matter.
 };
+
+/// Whether BuildOptions::search_radius matters to a builder with these options: to hploc only with HplocSearch::window.
+[[nodiscard]] constexpr bool reads_search_radius(const BuilderInfo& builder, const BuildOptions& options) noexcept {
+    return builder.uses_search_radius && (!builder.uses_hploc_options || options.hploc_search == HplocSearch::window);
+}
 
 /// Every builder of the library, in the order in which tables list them.
 [[nodiscard]] std::span<const BuilderInfo> builders() noexcept;

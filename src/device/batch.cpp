@@ -5,9 +5,6 @@
 namespace clbvh::device {
 namespace {
 
-// Enough for a few thousand triangles; a larger group would need more local memory for its bounds.
-constexpr std::size_t kLargestGroup = 256;
-
 std::string_view kernel_of(InputForm form) {
     switch (form) {
         case InputForm::indexed_16: return "batch_indexed_16";
@@ -32,7 +29,7 @@ BatchPlan plan_batch(std::uint64_t primitives, std::uint64_t trees) {
 }
 
 ProgramSpec batch_program(const BuildSettings& settings) {
-    return {"batch.cl", settings.lane() ? 1 : std::min(kLargestGroup, settings.cluster_group_size),
+    return {"batch.cl", settings.lane() ? 1 : std::min(kLargestBatchGroup, settings.cluster_group_size),
             settings.search_defines() + " -D MOST_CODE_BITS=" + std::to_string(settings.code_bits)};
 }
 

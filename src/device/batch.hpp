@@ -5,6 +5,9 @@
 
 namespace clbvh::device {
 
+/// Most work items that build one tree: enough for a few thousand triangles, and more would need more local memory.
+inline constexpr std::size_t kLargestBatchGroup = 256;
+
 /// Bytes of the memory of a batch.
 struct BatchPlan {
     std::uint64_t nodes = 0, primitive_ids = 0, active_counts = 0;               ///< the result

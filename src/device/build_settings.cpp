@@ -70,7 +70,6 @@ void resolve_group_sizes(BuildSettings& settings, const BuildOptions& options, c
     const std::size_t largest = group_size_that_fits(info, settings.exact_distances);
     settings.cluster_group_size =
         options.work_group_size != 0 ? options.work_group_size : chosen_group_size(settings, profile, info, largest);
-    settings.stream_group_size = stream_group_size(info);
     if (settings.cluster_group_size > largest) {
         throw Error(ErrorCode::unsupported, "work_group_size " + std::to_string(settings.cluster_group_size) +
                                                 " is too large for " + info.name + ", which fits " +
@@ -165,7 +164,7 @@ Pieces cut_into_pieces(std::uint32_t elements, std::uint32_t most, std::uint32_t
     return {static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(grains_per_piece * granularity)};
 }
 
-BuildSettings resolve_settings(const BuildOptions& options, Session& session) {
+BuildSettings resolve_settings(const BuildOptions& options, Session& session, OptionsRead read) {
     check_options(options);
     const DeviceInfo& info = session.info();
     const Profile profile = session.profile().profile.value_or(Profile{});
@@ -176,8 +175,8 @@ BuildSettings resolve_settings(const BuildOptions& options, Session& session) {
     settings.sort_shape = sorts_in_groups ? Shape::group : definite_shape(options.sort_shape, session);
     settings.search_radius = options.search_radius;
     settings.morton_code = options.morton_code;
-    const std::uint32_t chosen_bits = options.hploc_quality == HplocQuality::fast ? kFastCodeBits : kDefaultCodeBits;
-    settings.code_bits = options.code_bits != 0 ? options.code_bits : chosen_bits;
+    const bool shortens_codes = read.presets && options.hploc_quality == HplocQuality::fast;
+    settings.code_bits = first_not_zero({options.code_bits, shortens_codes ? kFastCodeBits : kDefaultCodeBits});
     settings.exact_distances = options.neighbour_encoding == NeighbourEncoding::bits64;
     settings.symmetric_search =
         options.neighbour_search == NeighbourSearch::symmetric ||
@@ -196,7 +195,10 @@ BuildSettings resolve_settings(const BuildOptions& options, Session& session) {
     const std::uint32_t per_unit = info.type == DeviceType::cpu ? kCpuGroupsPerUnit : kGpuGroupsPerUnit;
     settings.groups_to_fill = std::min(info.compute_units * per_unit, BuildBuffers::kMostPieces);
     resolve_sort(settings, info);
-    if (settings.lane()) {
+    settings.stream_group_size = settings.lane() ? 1 : stream_group_size(info);
+    if (!read.chunks) {
+        settings.cluster_group_size = settings.stream_group_size;
+    } else if (settings.lane()) {
         resolve_lane_sizes(settings, options, profile, info);
     } else {
         resolve_group_sizes(settings, options, profile, info);

@@ -72,8 +72,14 @@ struct BuildSettings {
 /// Cuts `elements` into at most `most` pieces whose length is a multiple of `granularity`.
 [[nodiscard]] Pieces cut_into_pieces(std::uint32_t elements, std::uint32_t most, std::uint32_t granularity);
 
+/// Which of the options that not every builder reads one builder reads.
+struct OptionsRead {
+    bool chunks = true;    ///< work_group_size and chunk_size, which have to fit the search radius and local memory
+    bool presets = false;  ///< hploc_quality, which says what code_bits 0 stands for
+};
+
 /// Takes every automatic choice for `session`'s device. Throws Error(invalid_input) where options contradict each
-/// other, and Error(unsupported) where the device cannot do what they ask.
-[[nodiscard]] BuildSettings resolve_settings(const BuildOptions& options, Session& session);
+/// other, and Error(unsupported) where the device cannot do what they ask; options that are not read are not checked.
+[[nodiscard]] BuildSettings resolve_settings(const BuildOptions& options, Session& session, OptionsRead read = {});
 
 }  // namespace clbvh::device

@@ -61,6 +61,8 @@ CallerInput check_form(const Session& session, const DeviceTriangles& input) {
 
 CallerInput check_input(const Session& session, const DeviceInput& input) {
     CallerInput checked = std::visit([&](const auto& primitives) { return check_form(session, primitives); }, input);
+    check_readable(checked.vertices);
+    if (checked.indices.buffer() != nullptr) check_readable(checked.indices);
     checked.mesh.primitive_count = checked.mesh.active_count = count_of(input);
     return checked;
 }

@@ -53,6 +53,7 @@ CallerMemory look_at(const Session& session, std::string_view name, const Device
                              " on, but its buffer ends after " + std::to_string(size));
         }
         const cl_mem_flags flags = memory.buffer.getInfo<CL_MEM_FLAGS>();
+        memory.is_readable = (flags & CL_MEM_WRITE_ONLY) == 0;
         memory.is_read_write = (flags & (CL_MEM_READ_ONLY | CL_MEM_WRITE_ONLY)) == 0;
         memory.place = place_of(memory.buffer, span.offset);
         return memory;
@@ -72,6 +73,20 @@ void check_views_allowed(const CallerMemory& memory, std::uint64_t alignment) {
     if (!is_vector_aligned(memory)) {
         refuse(memory.name, "lies in host memory (CL_MEM_USE_HOST_PTR) that must be aligned to " +
                                 std::to_string(kVectorBytes) + " bytes");
+    }
+}
+
+void check_readable(const CallerMemory& memory) {
+    if (!memory.is_readable) refuse(memory.name, "must not be a buffer with CL_MEM_WRITE_ONLY: kernels read it");
+}
+
+void check_not_cut(const CallerMemory& memory, std::initializer_list<CallerMemory> cut) {
+    for (const CallerMemory& other : cut) {
+        if (memory.buffer() != nullptr && memory.buffer() == other.place.buffer()) {
+            refuse(memory.name, "and " + std::string(other.name) +
+                                    " lie in one buffer, of which kernels write parts as sub-buffers; give the former "
+                                    "a sub-buffer of its own, or another buffer");
+        }
     }
 }
 

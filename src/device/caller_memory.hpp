@@ -15,6 +15,7 @@ struct CallerMemory {
     std::uint64_t offset = 0;   ///< into it
     std::uint64_t bytes = 0;    ///< how many are used
     Block place;                ///< the same memory in the buffer that this is a sub-buffer of, or in itself
+    bool is_readable = true;    ///< for kernels
     bool is_read_write = true;  ///< for kernels
 };
 
@@ -25,6 +26,13 @@ struct CallerMemory {
 
 /// Throws Error(invalid_input) where kernels may not both read and write the memory, or where no view can be cut there.
 void check_views_allowed(const CallerMemory& memory, std::uint64_t alignment);
+
+/// Throws Error(invalid_input) where kernels may not read the memory.
+void check_readable(const CallerMemory& memory);
+
+/// Throws Error(invalid_input) where `memory` is used as it is, and lies in a buffer that kernels write through views
+/// of `cut`: OpenCL leaves it undefined what a kernel then reads. Disjoint sub-buffers are another matter.
+void check_not_cut(const CallerMemory& memory, std::initializer_list<CallerMemory> cut);
 
 /// Throws Error(invalid_input) where `value`, called `what`, is below `least` or no multiple of `step`.
 void check_multiple(std::string_view what, std::uint64_t value, std::uint64_t least, std::uint64_t step);

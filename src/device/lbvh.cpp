@@ -63,6 +63,6 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kLbvh{cluster, extra_bytes, BoxOrder::input, program};
+const DeviceAlgorithm kLbvh{cluster, extra_bytes, {.chunks = false, .presets = false}, BoxOrder::input, program};
 
 }  // namespace clbvh::device

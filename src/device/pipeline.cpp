@@ -55,9 +55,9 @@ BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorith
         for (Shape* const shape : {&lane.shape, &lane.sort_shape}) {
             if (*shape == Shape::automatic) *shape = Shape::lane;
         }
-        prepare_programs(session, algorithm, resolve_settings(lane, session));
+        prepare_programs(session, algorithm, resolve_settings(lane, session, algorithm.options_read));
     }
-    const BuildSettings settings = resolve_settings(options, session);
+    const BuildSettings settings = resolve_settings(options, session, algorithm.options_read);
     prepare_programs(session, algorithm, settings);
     return settings;
 }

@@ -42,7 +42,7 @@ DeviceInfo cpu(std::uint64_t local_kib) {
 
 BuildSettings resolve(const BuildOptions& options, const DeviceInfo& info) {
     Session session(info);
-    return device::resolve_settings(options, session);
+    return device::resolve_settings(options, session, {.chunks = true, .presets = true});
 }
 
 /// Options of one shape where all else is automatic.
@@ -227,6 +227,21 @@ TEST_CASE("settings: H-PLOC's presets fill in what is left to them") {
     CHECK(
         defines(options).starts_with(" -D CLUSTER_LIMIT=8 -D SMALL_RANGE=5 -D SMALL_LIMIT=3 -D MERGE_PAIRS=0 "
                                      "-D HPLOC_WINDOW=31"));
+}
+
+TEST_CASE("settings: options that a builder does not read are neither checked nor followed") {
+    const auto resolve_for = [](const BuildOptions& options, device::OptionsRead read) {
+        Session session(gpu(64));
+        return device::resolve_settings(options, session, read);
+    };
+    BuildOptions options = with_radius(Shape::group, 32);
+    options.work_group_size = 64;
+    options.hploc_quality = HplocQuality::fast;
+    CHECK_THROWS_AS(resolve_for(options, {.chunks = true, .presets = false}), Error);
+    CHECK(resolve_for(options, {.chunks = false, .presets = true}).code_bits == 33);
+    CHECK(resolve_for(options, {.chunks = false, .presets = false}).code_bits == 44);
+    options.code_bits = 33;
+    CHECK(resolve_for(options, {.chunks = false, .presets = false}).code_bits == 33);
 }
 
 TEST_CASE("settings: what they let pass, the compiler fits in local memory") {

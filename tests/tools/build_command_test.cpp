@@ -70,7 +70,7 @@ TEST_CASE("build describes what every builder did") {
         CHECK(result["triangles"] == 3000);
         CHECK(result["builder"] == builder.id);
         CHECK(result["kind"] == (builder.kind == BuilderKind::device ? "device" : "host"));
-        if (builder.kind == BuilderKind::device) CHECK(result["radius"] == (builder.uses_search_radius ? 8 : 0));
+        if (builder.kind == BuilderKind::device) CHECK(result["radius"] == (reads_search_radius(builder, {}) ? 8 : 0));
         CHECK(result["valid"] == true);
         CHECK(result["first_build_ms"].get<double>() > 0.0);
     }

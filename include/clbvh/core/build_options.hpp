@@ -39,9 +39,8 @@ enum class NeighbourSearch : std::uint8_t {
 /// Presets of H-PLOC: what its options become where they are left to it.
 enum class HplocQuality : std::uint8_t {
     balanced,  ///< cluster_limit 16, small_range 1, merge_pairs on: trees as good as PLOC's.
-    fast,  ///< cluster_limit 16, small_range 256 with small_limit 8, merge_pairs on: faster in the lane shape, slower
-           ///< in the group shape; trees a little worse. Also code_bits 33, which is the front end's and so concerns
-           ///< any device builder with this preset.
+    fast,  ///< cluster_limit 16, small_range 256 with small_limit 8, merge_pairs on, code_bits 33: faster in the lane
+           ///< shape, slower in the group shape; trees a little worse.
 };
 
 /// Which clusters of a node H-PLOC compares.
@@ -73,7 +72,8 @@ struct BuildOptions {
                                          ///< than the scene's volume / 2^level, 1 to 40; the paper's is 14. 0: do not.
     std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
 
-    std::uint32_t search_radius = 16;  ///< R of PLOC and PLOC++: neighbours searched to each side, 1 to 32.
+    std::uint32_t search_radius = 16;  ///< R of PLOC and PLOC++, and of hploc with HplocSearch::window: neighbours
+                                       ///< searched to each side, 1 to 32.
     Shape shape = Shape::automatic;    ///< See Shape.
     Shape sort_shape =
         Shape::automatic;  ///< Shape of the sort alone; automatic: lane on CPU devices that pass the self-test.
@@ -81,7 +81,7 @@ struct BuildOptions {
     std::uint32_t code_bits = 0;  ///< Leading bits of the 63-bit spatial code that order primitives, equal ones by id.
                                   ///< 33 or 44 (as many of them as leave room for the id): code and id are sorted as
                                   ///< one 64-bit key. 63: as PLOC++ has it, 32-bit keys with a value, twice. 0: 44, or
-                                  ///< 33 with HplocQuality::fast.
+                                  ///< 33 for hploc with HplocQuality::fast.
     NeighbourEncoding neighbour_encoding = NeighbourEncoding::automatic;  ///< See NeighbourEncoding.
     NeighbourSearch neighbour_search = NeighbourSearch::automatic;        ///< See NeighbourSearch.
     std::uint32_t single_group_threshold = 0;  ///< plocpp: clusters below which one work group finishes the tree, 2 to
