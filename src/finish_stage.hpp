@@ -7,7 +7,7 @@
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/core/build_stats.hpp"
 #include "clbvh/core/bvh.hpp"
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
 
 namespace clbvh {
 
@@ -32,7 +32,7 @@ public:
 
 private:
     const BuildOptions& options_;
-    host::Scratch scratch_;
+    Scratch scratch_;
     Bvh result_;
 };
 
