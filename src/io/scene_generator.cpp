@@ -7,13 +7,12 @@
 
 #include "clbvh/core/error.hpp"
 #include "clbvh/io/scene.hpp"
-#include "io/random.hpp"
+#include "core/random.hpp"
 #include "io/sphere.hpp"
 
 namespace clbvh {
 namespace {
 
-using io::Random;
 
 constexpr Vec3 operator+(const Vec3& a, const Vec3& b) {
     return {a.x + b.x, a.y + b.y, a.z + b.z};

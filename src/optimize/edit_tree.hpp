@@ -25,6 +25,7 @@ public:
 
     [[nodiscard]] Node& operator[](std::uint32_t slot) noexcept { return nodes_[slot]; }
     [[nodiscard]] const Node& operator[](std::uint32_t slot) const noexcept { return nodes_[slot]; }
+    [[nodiscard]] std::span<const Node> nodes() const noexcept { return nodes_; }
     [[nodiscard]] std::uint32_t slot_count() const noexcept { return static_cast<std::uint32_t>(nodes_.size()); }
 
     [[nodiscard]] static constexpr std::uint32_t sibling(std::uint32_t slot) noexcept { return slot ^ 1; }
@@ -45,6 +46,10 @@ public:
         adopt(a);
         adopt(b);
     }
+    /// The sum of the inner nodes' half areas: all of the SAH cost that moving subtrees can change. The same on any
+    /// number of threads.
+    [[nodiscard]] double inner_half_area() const;
+
     /// Gives an inner node the union of its children's boxes; true where that changes it.
     bool refit(std::uint32_t slot) noexcept;
 

@@ -10,23 +10,22 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 #include <vector>
 
 #include "core/check_field.hpp"
-#include "core/memory_errors.hpp"
 #include "optimize/pass_clock.hpp"
 #include "optimize/reinsertion.hpp"
+#include "optimize/run_optimizer.hpp"
 
 namespace clbvh {
 namespace {
 
 using optimize::EditTree;
-using optimize::exact_half_area;
 using optimize::PassClock;
 using optimize::Reinsertion;
 using optimize::ReinsertionMove;
@@ -60,44 +59,33 @@ public:
     }
 
 private:
-    /// The nodes that this pass tries to move, and the sum of the areas of all inner ones.
+    /// Chooses the nodes that this pass tries to move.
     void select_candidates() {
-        all_.resize(tree_.slot_count() / 2 * 2);
-        struct Sums {
-            double area = 0.0;
-            std::size_t nodes = 0;
-        };
-        const std::size_t pairs = tree_.slot_count() / 2;
-        // Of each pair both or neither is a candidate's slot; what is none has no worth and sorts behind.
-        const Sums sums = tbb::parallel_deterministic_reduce(
-            tbb::blocked_range<std::size_t>(0, pairs, 8192), Sums{},
-            [&](const auto& range, Sums sum) {
-                for (std::size_t pair = range.begin(); pair < range.end(); ++pair)
-                    add_pair(static_cast<std::uint32_t>(2 * pair), sum.area, sum.nodes);
-                return sum;
-            },
-            [](const Sums& a, const Sums& b) {
-                return Sums{a.area + b.area, a.nodes + b.nodes};
-            });
-        area_before_ = sums.area;
+        area_before_ = tree_.inner_half_area();
+        all_.resize(tree_.slot_count());
+        std::atomic<std::size_t> nodes = 0;
+        tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, tree_.slot_count() / 2, 8192), [&](const auto& pairs) {
+            std::size_t found = 0;
+            for (std::uint32_t pair = pairs.begin(); pair < pairs.end(); ++pair)
+                found += add_pair(2 * pair);
+            nodes += found;
+        });
         const auto wanted =
-            static_cast<std::size_t>(static_cast<double>(config_.candidates) * static_cast<double>(sums.nodes));
-        const std::size_t count = std::min(sums.nodes, std::max<std::size_t>(1, wanted));
+            static_cast<std::size_t>(static_cast<double>(config_.candidates) * static_cast<double>(nodes));
+        const std::size_t count = std::min<std::size_t>(nodes, std::max<std::size_t>(1, wanted));
         if (count < all_.size())
             std::nth_element(all_.begin(), all_.begin() + static_cast<std::ptrdiff_t>(count), all_.end());
         all_.resize(count);
     }
 
-    void add_pair(std::uint32_t slot, double& area, std::size_t& nodes) {
+    /// Rates the nodes of one pair of slots; returns how many of them may move. What may not sorts behind.
+    std::size_t add_pair(std::uint32_t slot) {
         const std::uint32_t parent = slot == 0 ? EditTree::kUnused : tree_.parent(slot);
-        all_[slot] = all_[slot + 1] = {-1.0f, slot};
-        if (parent == EditTree::kUnused) return;
-        area += exact_half_area(tree_[parent]);
-        if (parent == 0) return;
-        const float parent_area = tree_.box(parent).half_area();
+        const bool may_move = parent != EditTree::kUnused && parent != 0;
+        const float parent_area = may_move ? tree_.box(parent).half_area() : 0.0f;
         for (const std::uint32_t node : {slot, slot + 1})
-            all_[node] = {parent_area - tree_.box(node).half_area(), node};
-        nodes += 2;
+            all_[node] = {may_move ? parent_area - tree_.box(node).half_area() : -1.0f, node};
+        return may_move ? 2 : 0;
     }
 
     /// Finds the candidates' best places. False where the budget ended that.
@@ -146,12 +134,8 @@ private:
 Bvh reinsert(Bvh tree, const ReinsertConfig& config, OptimizeStats* stats) {
     check_range("candidates", config.candidates, 1e-9f, 1.0f);
     check_range("least_gain", config.least_gain, 0.0f, 1.0f);
-    const OptimizeStats done = with_memory_errors("reinsertion", [&] {
-        if (tree.empty() || tree.nodes[0].is_leaf()) return OptimizeStats{};
-        return Reinserter(tree, config).run();
-    });
-    if (stats != nullptr) *stats = done;
-    return tree;
+    return optimize::run_optimizer(std::move(tree), "reinsertion", stats,
+                                   [&](Bvh& improved) { return Reinserter(improved, config).run(); });
 }
 
 }  // namespace clbvh

@@ -4,7 +4,7 @@
 
 #include "clbvh/core/aabb.hpp"
 
-namespace clbvh::io {
+namespace clbvh {
 
 /// SplitMix64 (Steele, Lea, Flood 2014), and numbers made from it that are the same on every platform, which those of
 /// the standard's distributions are not.
@@ -45,4 +45,4 @@ private:
     std::uint64_t state_;
 };
 
-}  // namespace clbvh::io
+}  // namespace clbvh
