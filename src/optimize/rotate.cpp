@@ -27,12 +27,13 @@ namespace clbvh {
 namespace {
 
 using optimize::EditTree;
+using optimize::exact_half_area;
 using optimize::GreedyChoice;
 using optimize::PassClock;
 using optimize::Rotation;
-using optimize::exact_half_area;
 
 constexpr std::uint32_t kMostPasses = 1000;
+constexpr double kInnerCost = 10.0;  // that temperatures refer to; see AnnealConfig
 constexpr std::uint32_t kLongestSchedule = 1000000;
 
 /// Visits every inner node, children first, and makes the rotation that `choice_for(slot)` keeps, if any. Returns how
@@ -55,8 +56,7 @@ std::uint64_t rotate_bottom_up(EditTree& tree, Scratch& scratch, const ChoiceFor
 void climb(EditTree& tree, Scratch& scratch, PassClock& clock, double least_gain) {
     double area = tree.inner_half_area();
     while (clock.may_begin_pass()) {
-        const std::uint64_t changes =
-            rotate_bottom_up(tree, scratch, [](std::uint32_t) { return GreedyChoice{}; });
+        const std::uint64_t changes = rotate_bottom_up(tree, scratch, [](std::uint32_t) { return GreedyChoice{}; });
         clock.end_pass(changes);
         const double area_now = tree.inner_half_area();
         if (changes == 0 || area - area_now <= least_gain * area) return;
@@ -73,7 +73,7 @@ public:
     [[nodiscard]] bool operator()(const Rotation& best, const Rotation& candidate, std::uint32_t index) const {
         if (candidate.saved > best.saved) return true;
         // In the cost of this node alone, as the paper has it: relative to its area.
-        const double rise = area_ > 0.0 ? (best.saved - candidate.saved) / area_ : 0.0;
+        const double rise = area_ > 0.0 ? kInnerCost * (best.saved - candidate.saved) / area_ : 0.0;
         return Random(seed_ + index).unit() < std::exp(-rise / temperature_);
     }
 
@@ -86,7 +86,10 @@ private:
 class Annealer {
 public:
     Annealer(Bvh& tree, const AnnealConfig& config)
-        : nodes_(tree.nodes), tree_(nodes_), config_(config), clock_("anneal", config.budget, config.length + kMostPasses) {}
+        : nodes_(tree.nodes),
+          tree_(nodes_),
+          config_(config),
+          clock_("anneal", config.budget, config.length + kMostPasses) {}
 
     OptimizeStats run() {
         best_ = nodes_;

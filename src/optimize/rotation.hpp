@@ -7,7 +7,8 @@
 
 namespace clbvh::optimize {
 
-/// The exchange of two subtrees below one node, and what it saves of its children's half areas; negative where it costs.
+/// The exchange of two subtrees below one node, and what it saves of its children's half areas; negative where it
+/// costs.
 struct Rotation {
     std::uint32_t a = 0;  ///< Slots; both 0: none.
     std::uint32_t b = 0;
@@ -18,17 +19,18 @@ struct Rotation {
 
 /// Decides between what was best so far and a candidate, the `index`-th of its node.
 struct GreedyChoice {
-    [[nodiscard]] bool operator()(const Rotation& best, const Rotation& candidate, std::uint32_t /*index*/) const noexcept {
+    [[nodiscard]] bool operator()(const Rotation& best, const Rotation& candidate,
+                                  std::uint32_t /*index*/) const noexcept {
         return candidate.saved > best.saved;
     }
 };
 
 /// All exchanges at the inner node `slot` go by `choice`, which keeps the best. Kensler 2008, figure 2:
 ///
-///          N              a child and a grandchild on the other side:  L-RL  L-RR  R-LL  R-LR
-///        /   \            two grandchildren:                           LL-RL LL-RR
-///       L     R           (LR-RL and LR-RR would give the same two trees)
-///      / \   / \
+///         N              a child and a grandchild on the other side:  L-RL  L-RR  R-LL  R-LR
+///        /   |           two grandchildren:                           LL-RL  LL-RR
+///       L     R          (LR-RL and LR-RR would give the same two trees)
+///      / |   / |
 ///    LL  LR RL  RR
 template <typename Choice>
 [[nodiscard]] Rotation best_rotation(const EditTree& tree, std::uint32_t slot, const Choice& choice);

@@ -13,11 +13,11 @@ namespace clbvh {
 /// nodes are searched at once, then the moves are made one after the other, the most gainful first. A move that others
 /// have made worthless in the meantime is not made, so that the SAH cost never rises.
 struct ReinsertConfig {
-    /// Part of the nodes that a pass tries to move, above 0 to 1: those where the parent is larger by most.
-    float candidates = 0.05f;
-    /// Ends when a pass lowers the summed area of the inner nodes by less than this part of it, 0 to 1.
+    /// Most nodes that a pass tries to move, as a part of all, above 0 to 1: those where the parent is larger by most.
+    float candidates = 0.1f;
+    /// Ends when a pass with that many lowers the summed area of the inner nodes by less than this part of it, 0 to 1.
     float least_gain = 0.001f;
-    OptimizeBudget budget;  ///< At most 32 passes unless it says otherwise.
+    OptimizeBudget budget;  ///< At most 64 passes unless it says otherwise.
 };
 
 /// Works in the calling task arena of oneTBB; the tree is the same on any number of threads. It takes every tree that
