@@ -8,10 +8,12 @@
 #include "clbvh/core/build_stats.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "core/scratch.hpp"
+#include "host/host_stages.hpp"
 
 namespace clbvh {
 
-/// The stage behind any builder: leaves name the triangles that parts come from, and are merged where that pays.
+/// The stage behind any builder: leaves name the triangles that parts come from, optimisers improve the tree, and
+/// leaves are merged where that pays.
 class FinishStage {
 public:
     explicit FinishStage(const BuildOptions& options) : options_(options) {}
@@ -31,6 +33,8 @@ public:
     [[nodiscard]] const Bvh& tree() const noexcept { return result_; }
 
 private:
+    void optimize(Bvh& tree, host::HostStages& stages, double begin) const;
+
     const BuildOptions& options_;
     Scratch scratch_;
     Bvh result_;

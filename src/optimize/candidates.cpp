@@ -46,34 +46,55 @@ void Candidates::rate(const EditTree& tree) {
         std::ranges::transform(counts_, own, counts_.begin(), std::plus<>());
 }
 
-/// The least rank that is chosen.
-std::uint32_t Candidates::find_threshold(double part) const {
-    const double wanted = part * static_cast<double>(std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0}));
-    std::uint32_t threshold = kRanks;
-    std::uint64_t chosen = 0;
-    while (threshold > 1 && (chosen == 0 || static_cast<double>(chosen + counts_[threshold - 1]) <= wanted))
-        chosen += counts_[--threshold];
-    return threshold;
+/// The least rank that is chosen, and how many of it are.
+Candidates::Threshold Candidates::find_threshold(double part) const {
+    const auto nodes = std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0});
+    const auto wanted = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(part * static_cast<double>(nodes)));
+    std::uint64_t above = 0;
+    std::uint32_t rank = kRanks - 1;
+    while (rank > 1 && above + counts_[rank] < wanted)
+        above += counts_[rank--];
+    return {rank, counts_[rank], std::min<std::uint64_t>(counts_[rank], wanted - above)};
 }
 
-void Candidates::collect(std::uint32_t threshold) {
+void Candidates::collect(const Threshold& threshold) {
     const std::uint32_t slots = static_cast<std::uint32_t>(ranks_.size());
-    std::vector<std::uint32_t> ends((slots + kGrain - 1) / kGrain + 1, 0);
+    struct Counts {
+        std::uint32_t above = 0;
+        std::uint64_t at = 0;
+    };
+    std::vector<Counts> before((slots + kGrain - 1) / kGrain + 1);  // of block b: in all blocks before it
     const auto for_each_block = [&](const auto& work) {
-        tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(ends.size() - 1), [&](std::uint32_t block) {
+        tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(before.size() - 1), [&](std::uint32_t block) {
             work(block, block * kGrain, std::min(slots, (block + 1) * kGrain));
         });
     };
     for_each_block([&](std::uint32_t block, std::uint32_t begin, std::uint32_t end) {
-        ends[block + 1] = static_cast<std::uint32_t>(
-            std::count_if(ranks_.begin() + begin, ranks_.begin() + end, [&](auto rank) { return rank >= threshold; }));
-    });
-    std::partial_sum(ends.begin(), ends.end(), ends.begin());
-    chosen_.resize(ends.back());
-    for_each_block([&](std::uint32_t block, std::uint32_t begin, std::uint32_t end) {
-        std::uint32_t next = ends[block];
+        Counts counts;
         for (std::uint32_t slot = begin; slot < end; ++slot) {
-            if (ranks_[slot] >= threshold) chosen_[next++] = slot;
+            counts.above += ranks_[slot] > threshold.rank;
+            counts.at += ranks_[slot] == threshold.rank;
+        }
+        before[block + 1] = counts;
+    });
+    std::partial_sum(before.begin(), before.end(), before.begin(), [](const Counts& a, const Counts& b) {
+        return Counts{a.above + b.above, a.at + b.at};
+    });
+    // Of those at the threshold the k-th is taken where the quota's share of the first k + 1 is a new number: evenly.
+    const auto taken = [&](std::uint64_t first) {
+        return threshold.count > 0 ? first * threshold.quota / threshold.count : 0;
+    };
+    chosen_.resize(before.back().above + taken(before.back().at));
+    for_each_block([&](std::uint32_t block, std::uint32_t begin, std::uint32_t end) {
+        std::uint64_t at = before[block].at;
+        std::size_t next = before[block].above + taken(at);
+        for (std::uint32_t slot = begin; slot < end; ++slot) {
+            bool is_chosen = ranks_[slot] > threshold.rank;
+            if (ranks_[slot] == threshold.rank) {
+                is_chosen = taken(at + 1) > taken(at);
+                ++at;
+            }
+            if (is_chosen) chosen_[next++] = slot;
         }
     });
 }

@@ -18,8 +18,14 @@ public:
 
 private:
     void rate(const EditTree& tree);
-    [[nodiscard]] std::uint32_t find_threshold(double part) const;
-    void collect(std::uint32_t threshold);
+    struct Threshold {
+        std::uint32_t rank;   ///< Those above it are chosen,
+        std::uint64_t count;  ///< and of so many at it
+        std::uint64_t quota;  ///< so many.
+    };
+
+    [[nodiscard]] Threshold find_threshold(double part) const;
+    void collect(const Threshold& threshold);
 
     std::vector<std::uint32_t> ranks_;   // of all slots: leading bits of the difference and 1; 0: may not move
     std::vector<std::uint32_t> counts_;  // of ranks

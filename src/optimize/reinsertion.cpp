@@ -17,10 +17,14 @@ Reinsertion ReinsertionSearch::find(std::uint32_t from) {
         above = tree_.parent(node);
         look_below(saved, EditTree::sibling(node), subtree, best);
         remaining.merge(tree_.box(EditTree::sibling(node)));
-        const float before = tree_.box(above).half_area();
+        const Box4 there = tree_.box(above);
+        const float before = there.half_area();
         saved += before - remaining.half_area();
         // Beside all the rest of what is below `above`, with which it makes the box that is there now.
         if (saved - before > best.gain) best = {from, above, saved - before};
+        // No ancestor shrinks any more, and a new parent is no smaller than the subtree.
+        const bool is_inside = all_at_most(remaining.lower, there.lower) && all_at_most(there.upper, remaining.upper);
+        if (is_inside && saved - subtree.area <= best.gain) break;
     }
     return best;
 }
