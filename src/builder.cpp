@@ -8,6 +8,7 @@
 
 #include "backend.hpp"
 #include "clbvh/core/error.hpp"
+#include "clbvh/optimizers.hpp"
 #include "core/memory_errors.hpp"
 #include "finish_stage.hpp"
 #include "presplit_stage.hpp"
@@ -19,6 +20,7 @@ namespace {
 std::optional<Context> open_context_for(std::string_view builder_id, const BuildOptions& options) {
     const BuilderInfo& info = find_builder(builder_id);
     check_options(options);
+    check_optimizers(options.optimizers);
     if (info.kind == BuilderKind::host) return std::nullopt;
     return Context::open();
 }
@@ -30,6 +32,11 @@ int arena_size(std::uint32_t thread_count) {
     return static_cast<int>(std::min<std::size_t>(thread_count, most));
 }
 
+/// True where there is work behind the builder.
+bool needs_finish(const BuildOptions& options) {
+    return options.presplit_level > 0 || options.max_leaf_size > 0 || !options.optimizers.empty();
+}
+
 /// The builder's part of a build that has stages before and behind it.
 struct Share {
     double begin;
@@ -37,8 +44,7 @@ struct Share {
 };
 Share share_of_builder(const BuildOptions& options) {
     const bool is_presplit = options.presplit_level > 0;
-    const bool is_finished = is_presplit || options.max_leaf_size > 0;
-    return {is_presplit ? 0.1 : 0.0, is_finished ? 0.9 : 1.0};
+    return {is_presplit ? 0.1 : 0.0, needs_finish(options) ? 0.9 : 1.0};
 }
 
 BuildOptions options_of_builder(const BuildOptions& options) {
@@ -56,6 +62,7 @@ struct Builder::State {
     State(std::string_view builder_id, std::optional<Context> chosen_context, BuildOptions chosen_options)
         : row(find_builder_row(builder_id)), context(std::move(chosen_context)), options(std::move(chosen_options)) {
         check_options(options);
+        check_optimizers(options.optimizers);
         backend_options = options_of_builder(options);
         arena.initialize(arena_size(options.thread_count));
         if (row.info.kind == BuilderKind::host) {
@@ -70,7 +77,7 @@ struct Builder::State {
     BuildStats run();
 
     [[nodiscard]] bool is_presplit() const noexcept { return options.presplit_level > 0; }
-    [[nodiscard]] bool is_finished_here() const noexcept { return is_presplit() || options.max_leaf_size > 0; }
+    [[nodiscard]] bool is_finished_here() const noexcept { return needs_finish(options); }
 
     const BuilderRow& row;
     std::optional<Context> context;  // absent for host builders

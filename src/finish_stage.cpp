@@ -4,7 +4,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <utility>
 
+#include "clbvh/optimizers.hpp"
 #include "host/collapse.hpp"
 #include "host/host_stages.hpp"
 
@@ -31,12 +33,33 @@ void name_sources(Bvh& tree, std::span<const std::uint32_t> sources) {
 
 }  // namespace
 
+void FinishStage::optimize(Bvh& tree, host::HostStages& stages, double begin) const {
+    constexpr std::uint64_t kWork = 1000;
+    std::string_view ids = options_.optimizers;
+    while (!ids.empty()) {
+        const std::string_view id = ids.substr(0, ids.find(','));
+        ids.remove_prefix(std::min(id.size() + 1, ids.size()));
+        stages.begin(id, begin, 0.95, kWork);
+        OptimizeBudget budget;
+        std::uint64_t done = 0;
+        // Cancels by an exception, as every stage of a build does.
+        budget.progress = [&](const Progress& progress) {
+            const auto now = static_cast<std::uint64_t>(progress.fraction * static_cast<double>(kWork));
+            stages.advance(now - std::min(done, now));
+            done = std::max(done, now);
+            return true;
+        };
+        tree = clbvh::optimize(std::move(tree), id, budget);
+    }
+}
+
 void FinishStage::run(Backend& backend, const Input& input, double begin, BuildStats& stats) {
     host::HostStages stages(options_.progress);
     const double middle = 0.5 * (begin + 1.0);
     if (backend.is_remote()) stages.begin("download", begin, middle);
     Bvh& tree = backend.tree();
-    stages.begin("collapse", middle, 1.0);
+    optimize(tree, stages, middle);
+    stages.begin("collapse", 0.95, 1.0);
     if (input.is_presplit) {
         name_sources(tree, input.sources);
         tree.split_references = true;

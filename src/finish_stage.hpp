@@ -7,11 +7,13 @@
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/core/build_stats.hpp"
 #include "clbvh/core/bvh.hpp"
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
+#include "host/host_stages.hpp"
 
 namespace clbvh {
 
-/// The stage behind any builder: leaves name the triangles that parts come from, and are merged where that pays.
+/// The stage behind any builder: leaves name the triangles that parts come from, optimisers improve the tree, and
+/// leaves are merged where that pays.
 class FinishStage {
 public:
     explicit FinishStage(const BuildOptions& options) : options_(options) {}
@@ -31,8 +33,10 @@ public:
     [[nodiscard]] const Bvh& tree() const noexcept { return result_; }
 
 private:
+    void optimize(Bvh& tree, host::HostStages& stages, double begin) const;
+
     const BuildOptions& options_;
-    host::Scratch scratch_;
+    Scratch scratch_;
     Bvh result_;
 };
 

@@ -45,7 +45,7 @@ private:
     const Mesh* boxes_ = nullptr;
     const Mesh* triangles_ = nullptr;
     std::uint64_t active_count_ = 0;
-    host::Scratch scratch_;
+    Scratch scratch_;
     Bvh result_;
 };
 

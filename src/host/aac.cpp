@@ -14,7 +14,7 @@
 
 #include "core/check_field.hpp"
 #include "host/morton.hpp"
-#include "host/prefetch.hpp"
+#include "core/prefetch.hpp"
 #include "host/radix_sort.hpp"
 
 namespace clbvh::host::aac {

@@ -5,7 +5,7 @@
 #include <bit>
 #include <limits>
 
-#include "host/prefetch.hpp"
+#include "core/prefetch.hpp"
 
 #if defined(CLBVH_HAS_SSE2) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define CLBVH_AAC_HAS_AVX2 1

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "host/box8.hpp"
-#include "host/prefetch.hpp"
+#include "core/prefetch.hpp"
 
 namespace clbvh::host {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "host/box8.hpp"
-#include "host/prefetch.hpp"
+#include "core/prefetch.hpp"
 
 namespace clbvh::host {
 namespace {

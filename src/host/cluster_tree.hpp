@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/reference.hpp"
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
 
 namespace clbvh::host {
 

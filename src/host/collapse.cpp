@@ -9,7 +9,7 @@
 
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
-#include "host/bottom_up.hpp"
+#include "core/bottom_up.hpp"
 #include "host/emit_tree.hpp"
 
 namespace clbvh::host {
@@ -137,7 +137,7 @@ Bvh collapse(const Bvh& tree, const CollapseConfig& config) {
     check_positive("inner_cost", config.inner_cost);
     check_positive("primitive_cost", config.primitive_cost);
     return with_memory_errors("the merging of leaves", [&] {
-        host::Scratch scratch;
+        Scratch scratch;
         Bvh result;
         host::collapse(tree, config, scratch, result);
         return result;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "clbvh/host/collapse.hpp"
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
 
 namespace clbvh::host {
 

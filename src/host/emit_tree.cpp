@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "host/prefetch.hpp"
+#include "core/prefetch.hpp"
 
 namespace clbvh::host {
 namespace {

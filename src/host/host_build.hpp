@@ -9,7 +9,7 @@
 #include "clbvh/core/mesh.hpp"
 #include "host/host_stages.hpp"
 #include "host/reference.hpp"
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
 
 namespace clbvh::host {
 

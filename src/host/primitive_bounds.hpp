@@ -4,7 +4,7 @@
 
 #include "clbvh/core/mesh.hpp"
 #include "host/reference.hpp"
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
 
 namespace clbvh::host {
 

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "host/prefetch.hpp"
+#include "core/prefetch.hpp"
 
 namespace clbvh::host {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
 
 namespace clbvh::host {
 

@@ -5,7 +5,7 @@
 
 #include "host/emit_tree.hpp"
 #include "host/reference.hpp"
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
 
 namespace clbvh::host {
 

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 
 #include "clbvh/core/aabb.hpp"
 #include "clbvh/core/bvh.hpp"
-#include "host/float4.hpp"
+#include "core/box4.hpp"
 
 namespace clbvh::host {
 
@@ -23,27 +22,6 @@ struct alignas(32) Reference {
 };
 static_assert(sizeof(Reference) == 32);
 
-/// A box in registers. Default-constructed empty: merging anything into it gives that thing.
-struct Box4 {
-    Float4 lower = Float4::filled(std::numeric_limits<float>::infinity());
-    Float4 upper = Float4::filled(-std::numeric_limits<float>::infinity());
-
-    [[nodiscard]] static Box4 of(const Reference& reference) noexcept {
-        return {Float4::load(reference.lower), Float4::load(reference.upper)};
-    }
-    void merge(const Box4& other) noexcept {
-        lower = min(lower, other.lower);
-        upper = max(upper, other.upper);
-    }
-    void merge(Float4 point) noexcept {
-        lower = min(lower, point);
-        upper = max(upper, point);
-    }
-    /// Twice the centre, as doubled_centroid() gives it, with 0 in the fourth lane.
-    [[nodiscard]] Float4 doubled_centroid() const noexcept { return lower.without_w() + upper.without_w(); }
-    [[nodiscard]] float half_area() const noexcept { return half_area_of_extents(upper - lower); }
-};
-
 /// What a set of references takes up.
 struct Bounds {
     Box4 box;
@@ -59,15 +37,5 @@ struct Bounds {
         centroids.merge(bounds.centroids);
     }
 };
-
-/// A node with this box.
-[[nodiscard]] inline Node make_node(const Box4& box, std::uint32_t first, std::uint32_t count) noexcept {
-    Node node;
-    // Whole vectors: a node that is copied soon would wait for stores of single words. The fourth lane goes behind the
-    // corner.
-    box.lower.with_w(first).store(node.lower);
-    box.upper.with_w(count).store(node.upper);
-    return node;
-}
 
 }  // namespace clbvh::host

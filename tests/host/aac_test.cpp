@@ -362,7 +362,7 @@ TEST_CASE("host Morton codes interleave the cells of the centroid", "[host][aac]
     CHECK(host::morton_bits((std::size_t{1} << 30) - 1) == 15);
     for (const std::uint32_t bits : {1u, 7u, 10u}) {
         const float cells = static_cast<float>(1u << bits);
-        const host::Box4 bounds{host::Float4::filled(0.0f), host::Float4::of(cells, cells, cells)};
+        const Box4 bounds{Float4::filled(0.0f), Float4::of(cells, cells, cells)};
         const host::MortonGrid grid(bounds, bits);
         for (std::uint32_t i = 0; i < 200; ++i) {
             const std::uint32_t cell[3] = {i * 7919 % (1u << bits), i * 104729 % (1u << bits), i * 31 % (1u << bits)};

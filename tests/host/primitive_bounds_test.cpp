@@ -23,10 +23,10 @@ TEST_CASE("references of all and of some triangles") {
             for (std::uint32_t i = 0; i < size; ++i) {
                 if (!is_inactive(mesh, i)) active.push_back(i);
             }
-            host::Scratch scratch;
+            Scratch scratch;
             std::vector<Reference> references(active.size());
             const host::Bounds bounds = host::bound_primitives(mesh, references, scratch);
-            const auto same = [](const host::Box4& box, const Aabb& expected) {
+            const auto same = [](const Box4& box, const Aabb& expected) {
                 return host::make_node(box, 0, 0).bounds() == expected;
             };
             Aabb box, centroids;

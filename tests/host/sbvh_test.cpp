@@ -225,7 +225,7 @@ TEST_CASE("a straddler that hardly costs more whole is not cut") {
     references.push_back({{7, 0, 0}, 200, {8.0625f, 1, 1}, 0});
     references.push_back({{0, 0, 0}, 201, {16, 1, 1}, 0});
     const host::SpacedRange range{0, 250, 0, static_cast<std::uint32_t>(references.size())};
-    const host::Box4 box = host::Box4::of(references.back());
+    const Box4 box = Box4::of(references.back());
     const host::SpatialBinning binning(box, 2);
     host::SpatialBinSet bins(2);
     bins.add(nullptr, references, binning);
@@ -279,7 +279,7 @@ TEST_CASE("sbvh takes less than 400 bytes a reference") {
     for (const float budget : {1.0f, 2.0f, 4.0f}) {
         SbvhConfig config;
         config.reference_budget = budget;
-        host::Scratch scratch;
+        Scratch scratch;
         Bvh result;
         const host::HostInput input{mesh, mesh, mesh.triangles.size()};
         const BuildStats stats = host::run_host_build(

@@ -17,10 +17,10 @@ std::vector<Aabb> boxes_of(const Mesh& mesh) {
     return boxes;
 }
 
-host::Box4 centroid_bounds_of(std::span<const host::Reference> references) {
-    host::Box4 bounds;
+Box4 centroid_bounds_of(std::span<const host::Reference> references) {
+    Box4 bounds;
     for (const host::Reference& reference : references)
-        bounds.merge(host::Box4::of(reference).doubled_centroid());
+        bounds.merge(Box4::of(reference).doubled_centroid());
     return bounds;
 }
 

@@ -15,6 +15,6 @@ namespace clbvh::test {
 [[nodiscard]] std::vector<Aabb> boxes_of(const Mesh& mesh);
 
 /// The box around the doubled centroids, which is what centroids are binned within.
-[[nodiscard]] host::Box4 centroid_bounds_of(std::span<const host::Reference> references);
+[[nodiscard]] Box4 centroid_bounds_of(std::span<const host::Reference> references);
 
 }  // namespace clbvh::test

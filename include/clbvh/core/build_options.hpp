@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "clbvh/core/build_stats.hpp"
@@ -70,6 +71,8 @@ struct BuildOptions {
     float reference_budget = 2.0f;       ///< sbvh: most references, as a multiple of the primitives, 1 to 8.
     std::uint32_t presplit_level = 0;    ///< Before any builder, split triangles that have an edge whose box is larger
                                          ///< than the scene's volume / 2^level, 1 to 40; the paper's is 14. 0: do not.
+    std::string optimizers;          ///< After any builder, before leaves are merged: ids of optimizers() with commas
+                                     ///< between them, "reinsert" say. Empty: none.
     std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
 
     std::uint32_t search_radius = 16;  ///< R of PLOC and PLOC++, and of hploc with HplocSearch::window: neighbours

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
-#include "host/prefetch.hpp"
-#include "host/scratch.hpp"
+#include "core/prefetch.hpp"
+#include "core/scratch.hpp"
 
-namespace clbvh::host {
+namespace clbvh {
 
 /// Visits the inner nodes of a finished tree, children before parents, in parallel. It knows nothing of the tree but
 /// its nodes, so it has to find them from the root first: a walk writes down, in segments of fixed length, the nodes
@@ -124,4 +124,4 @@ private:
     tbb::task_group tasks_;
 };
 
-}  // namespace clbvh::host
+}  // namespace clbvh

@@ -1,8 +1,8 @@
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
 
 #include <algorithm>
 
-namespace clbvh::host {
+namespace clbvh {
 
 std::byte* Scratch::take_bytes(std::uint64_t bytes) {
     const std::uint64_t rounded = (bytes + kAlignment - 1) / kAlignment * kAlignment;
@@ -35,4 +35,4 @@ std::uint64_t Scratch::bytes_in_use() const {
     return used_in_others_ + used_in_last_;
 }
 
-}  // namespace clbvh::host
+}  // namespace clbvh

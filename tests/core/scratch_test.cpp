@@ -1,5 +1,5 @@
 // Scratch memory: arrays do not overlap, memory stays for the next build, and what was taken is counted.
-#include "host/scratch.hpp"
+#include "core/scratch.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -13,7 +13,7 @@ using namespace clbvh;
 using namespace clbvh::test;
 
 TEST_CASE("scratch arrays are aligned and apart") {
-    host::Scratch scratch;
+    Scratch scratch;
     std::vector<std::span<std::uint32_t>> arrays;
     for (const std::size_t count : {1u, 7u, 1000u, 3000000u, 0u, 5u, 600000u})
         arrays.push_back(scratch.take<std::uint32_t>(count));
@@ -29,7 +29,7 @@ TEST_CASE("scratch arrays are aligned and apart") {
 }
 
 TEST_CASE("scratch counts what is in use, in steps of its alignment") {
-    host::Scratch scratch;
+    Scratch scratch;
     CHECK(scratch.bytes_in_use() == 0);
     static_cast<void>(scratch.take<char>(1));
     CHECK(scratch.bytes_in_use() == 64);
@@ -40,7 +40,7 @@ TEST_CASE("scratch counts what is in use, in steps of its alignment") {
 }
 
 TEST_CASE("scratch gives the same memory to the next build of the same size") {
-    host::Scratch scratch;
+    Scratch scratch;
     const auto take_all = [&] {
         scratch.reset();
         const auto a = scratch.take<std::uint64_t>(1000000);
@@ -54,7 +54,7 @@ TEST_CASE("scratch gives the same memory to the next build of the same size") {
 }
 
 TEST_CASE("scratch serves many threads") {
-    host::Scratch scratch;
+    Scratch scratch;
     std::vector<std::span<int>> arrays(8);
     std::vector<std::thread> threads;
     for (std::size_t t = 0; t < arrays.size(); ++t) {
@@ -73,7 +73,7 @@ TEST_CASE("scratch serves many threads") {
 }
 
 TEST_CASE("scratch that the system cannot give is an Error, and the rest stays usable") {
-    host::Scratch scratch;
+    Scratch scratch;
     const auto before = scratch.take<int>(100);
     expect_error(ErrorCode::out_of_memory, {"MiB"},
                  [&] { static_cast<void>(scratch.take<std::uint64_t>(std::uint64_t{1} << 50)); });

@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace clbvh::host {
+namespace clbvh {
 
 /// Four floats that are worked on at once: three coordinates, and a fourth lane that does not matter.
 /// SSE2 where the compiler has it (every x86-64), plain arrays elsewhere, with the same results.
@@ -228,4 +228,4 @@ struct Int4 {
 #endif
 };
 
-}  // namespace clbvh::host
+}  // namespace clbvh

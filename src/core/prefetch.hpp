@@ -1,6 +1,6 @@
 #pragma once
 
-namespace clbvh::host {
+namespace clbvh {
 
 /// Asks for a cache line that is needed soon. What walks a tree takes several nodes at once and asks for the children
 /// of all of them first, so that their misses overlap; what streams asks some kilobytes ahead, since not every
@@ -11,4 +11,4 @@ inline void prefetch([[maybe_unused]] const void* address) noexcept {
 #endif
 }
 
-}  // namespace clbvh::host
+}  // namespace clbvh

@@ -9,7 +9,7 @@
 
 #include "core/huge_pages.hpp"
 
-namespace clbvh::host {
+namespace clbvh {
 
 /// Temporary memory of host builds. Arrays are handed out one after the other and all taken back at once; the memory
 /// stays for the next build, because a first touch of fresh memory costs more than a build's own traffic.
@@ -45,4 +45,4 @@ private:
     std::uint64_t used_in_others_ = 0;  // bytes
 };
 
-}  // namespace clbvh::host
+}  // namespace clbvh

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <utility>
+
+#include "clbvh/core/bvh.hpp"
+#include "clbvh/optimize/budget.hpp"
+#include "core/memory_errors.hpp"
+
+namespace clbvh::optimize {
+
+/// Runs `optimize(tree)` on a tree that has inner nodes; `what` names the work in Error(out_of_memory).
+template <typename Optimize>
+[[nodiscard]] Bvh run_optimizer(Bvh tree, const char* what, OptimizeStats* stats, const Optimize& optimize) {
+    OptimizeStats done;
+    if (!tree.empty() && !tree.nodes[0].is_leaf()) done = with_memory_errors(what, [&] { return optimize(tree); });
+    if (stats != nullptr) *stats = done;
+    return tree;
+}
+
+}  // namespace clbvh::optimize

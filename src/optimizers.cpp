@@ -1,0 +1,109 @@
+#include "clbvh/optimizers.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "clbvh/core/error.hpp"
+#include "clbvh/optimize/reinsert.hpp"
+#include "clbvh/optimize/rotate.hpp"
+#include "clbvh/optimize/treelet.hpp"
+
+namespace clbvh {
+namespace {
+
+struct OptimizerRow {
+    OptimizerInfo info;
+    Bvh (*run)(Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats);
+};
+
+template <typename Config>
+Config within(const OptimizeBudget& budget) {
+    Config config;
+    config.budget = budget;
+    return config;
+}
+
+// The table of optimisers. A new one is one row here.
+const OptimizerRow kRows[] = {
+    {{"reinsert", "Parallel reinsertion: subtrees move where they cost least, found by branch and bound",
+      "Meister, Bittner 2018"},
+     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
+         return reinsert(std::move(tree), within<ReinsertConfig>(budget), &stats);
+     }},
+    {{"reinsert-batches", "The same, one subtree after the other, the worst nodes first",
+      "Bittner, Hapala, Havran 2013"},
+     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
+         return reinsert_batches(std::move(tree), within<ReinsertBatchesConfig>(budget), &stats);
+     }},
+    {{"treelet", "Treelets of 7 leaves become the best trees over these leaves", "Karras, Aila 2013"},
+     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
+         return restructure_treelets(std::move(tree), within<TreeletConfig>(budget), &stats);
+     }},
+    {{"rotate", "Hill climbing by tree rotations", "Kensler 2008"},
+     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
+         return rotate(std::move(tree), within<RotateConfig>(budget), &stats);
+     }},
+    {{"anneal", "Simulated annealing by tree rotations: minutes for a million primitives", "Kensler 2008"},
+     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
+         return anneal(std::move(tree), within<AnnealConfig>(budget), &stats);
+     }},
+};
+
+const OptimizerRow& find_row(std::string_view id) {
+    const auto row = std::ranges::find(kRows, id, [](const OptimizerRow& r) { return r.info.id; });
+    if (row != std::end(kRows)) return *row;
+    std::string known;
+    for (const OptimizerRow& r : kRows)
+        known += (known.empty() ? "" : ", ") + std::string(r.info.id);
+    throw Error(ErrorCode::invalid_input, "unknown optimizer '" + std::string(id) + "'; known are: " + known);
+}
+
+/// The rows of ids with commas between them.
+std::vector<const OptimizerRow*> find_rows(std::string_view ids) {
+    std::vector<const OptimizerRow*> rows;
+    while (!ids.empty()) {
+        const std::size_t comma = std::min(ids.find(','), ids.size());
+        rows.push_back(&find_row(ids.substr(0, comma)));
+        if (comma + 1 == ids.size()) find_row("");
+        ids.remove_prefix(std::min(comma + 1, ids.size()));
+    }
+    return rows;
+}
+
+}  // namespace
+
+std::span<const OptimizerInfo> optimizers() noexcept {
+    static const std::vector<OptimizerInfo> infos = [] {
+        std::vector<OptimizerInfo> list;
+        std::ranges::transform(kRows, std::back_inserter(list), &OptimizerRow::info);
+        return list;
+    }();
+    return infos;
+}
+
+const OptimizerInfo& find_optimizer(std::string_view id) {
+    return find_row(id).info;
+}
+
+void check_optimizers(std::string_view ids) {
+    static_cast<void>(find_rows(ids));
+}
+
+Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget, OptimizeStats* stats) {
+    OptimizeStats sums;
+    for (const OptimizerRow* row : find_rows(ids)) {
+        OptimizeStats of_row;
+        tree = row->run(std::move(tree), budget, of_row);
+        sums.passes += of_row.passes;
+        sums.changes += of_row.changes;
+        sums.milliseconds += of_row.milliseconds;
+        sums.is_cancelled = of_row.is_cancelled;
+        if (sums.is_cancelled) break;
+    }
+    if (stats != nullptr) *stats = sums;
+    return tree;
+}
+
+}  // namespace clbvh
