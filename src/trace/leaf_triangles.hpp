@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,11 +41,11 @@ public:
     bool operator()(std::uint32_t first, std::uint32_t count, float& t_max) {
         tested_ += count;
         for (const LeafTriangle& triangle : std::span(triangles_ + first, count)) {
-            PlaneHit found;
-            if (!test_.meets(triangle.vertices, found) || !range_.contains(found.t)) continue;
-            if (!is_closer(found.t, triangle.primitive, hit_)) continue;
-            hit_ = {found.t, found.u, found.v, triangle.primitive};
-            t_max = found.t;
+            const std::optional<PlaneHit> found = test_.meet(triangle.vertices);
+            if (!found || !range_.contains(found->t)) continue;
+            if (!is_closer(found->t, triangle.primitive, hit_)) continue;
+            hit_ = {found->t, found->u, found->v, triangle.primitive};
+            t_max = found->t;
         }
         return true;
     }
@@ -69,8 +70,8 @@ public:
     bool operator()(std::uint32_t first, std::uint32_t count, float&) {
         for (const LeafTriangle& triangle : std::span(triangles_ + first, count)) {
             ++tested_;
-            PlaneHit found;
-            is_hit_ = test_.meets(triangle.vertices, found) && range_.contains(found.t);
+            const std::optional<PlaneHit> found = test_.meet(triangle.vertices);
+            is_hit_ = found && range_.contains(found->t);
             if (is_hit_) return false;
         }
         return true;
@@ -95,9 +96,9 @@ public:
 
     bool operator()(std::uint32_t first, std::uint32_t count, float&) {
         for (const LeafTriangle& triangle : std::span(triangles_ + first, count)) {
-            PlaneHit found;
-            if (!test_.meets(triangle.vertices, found) || !range_.contains(found.t)) continue;
-            hits_.push_back({found.t, found.u, found.v, triangle.primitive});
+            const std::optional<PlaneHit> found = test_.meet(triangle.vertices);
+            if (!found || !range_.contains(found->t)) continue;
+            hits_.push_back({found->t, found->u, found->v, triangle.primitive});
         }
         return true;
     }
