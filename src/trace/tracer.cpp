@@ -26,12 +26,14 @@ using namespace trace;
 constexpr std::size_t kRaysPerTask = 256;
 
 std::vector<LeafTriangle> copy_triangles(const Bvh& bvh, const Mesh& mesh) {
-    std::vector<LeafTriangle> triangles;
-    triangles.reserve(bvh.primitive_ids.size());
-    for (const std::uint32_t primitive : bvh.primitive_ids) {
-        const Triangle& t = mesh.triangles[primitive];
-        triangles.push_back({{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, primitive});
-    }
+    std::vector<LeafTriangle> triangles(bvh.primitive_ids.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 4096), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const std::uint32_t primitive = bvh.primitive_ids[i];
+            const Triangle& t = mesh.triangles[primitive];
+            triangles[i] = {{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, primitive};
+        }
+    });
     return triangles;
 }
 
@@ -55,7 +57,7 @@ struct Tracer::State {
           arena(arena_size(options)),
           depth(check_tree(bvh, mesh)),
           nodes(bvh.nodes),
-          triangles(copy_triangles(bvh, mesh)),
+          triangles(arena.execute([&] { return copy_triangles(bvh, mesh); })),
           wide_tree(make_wide_tree(nodes, triangles)),
           wide(wide_tracing(best_instruction_set(), options.triangle_test)) {}
 

@@ -154,6 +154,8 @@ std::optional<PlaneHit> confirm(const HitRule& rule, const Test& test, const Tri
 template <typename Test>
 class ClosestBlock {
 public:
+    static constexpr bool kNearFirst = true;
+
     explicit ClosestBlock(const Ray& ray) noexcept
         : rule_(ray), test_(ray), lanes_(test_, ray, rule_.t_min()), t_max_(ray.t_max) {}
 
@@ -203,6 +205,8 @@ private:
 template <typename Test>
 class AnyBlock {
 public:
+    static constexpr bool kNearFirst = false;
+
     explicit AnyBlock(const Ray& ray) noexcept : rule_(ray), test_(ray), lanes_(test_, ray, rule_.t_min()) {}
 
     [[nodiscard]] const RaySlabs& slabs() const noexcept { return rule_.slabs(); }
@@ -246,7 +250,20 @@ inline std::uint32_t defer_all_but_nearest(const WideTree& tree, const WideNode&
     return nearest.child;
 }
 
-/// Takes the ray to the blocks of all leaves whose boxes it meets, near ones first.
+/// Puts the children that are hit onto the stack, last ones first, save the first, which is returned.
+inline std::uint32_t defer_all_but_first(const WideTree& tree, const WideNode& node, std::uint32_t hits,
+                                         DeferredChild* stack, std::size_t& size) noexcept {
+    for (;;) {
+        const auto slot = static_cast<std::uint32_t>(31 - std::countl_zero(hits));
+        const std::uint32_t other = node.children[slot];
+        hits ^= 1U << slot;
+        if (hits == 0) return other;
+        stack[size++] = {0.0f, other};
+        prefetch(tree, other);
+    }
+}
+
+/// Takes the ray to the blocks of all leaves whose boxes it meets, near ones first where the visitor needs them so.
 template <typename Visitor>
 void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept {
     const WideBoxTest box_test(visitor.slabs());
@@ -263,7 +280,11 @@ void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept
             alignas(32) std::array<float, kWideChildren> entries;
             std::uint32_t hits = box_test.enter(node, visitor.t_max(), entries.data());
             if (hits != 0) {
-                child = defer_all_but_nearest(tree, node, entries.data(), hits, stack, size);
+                if constexpr (Visitor::kNearFirst) {
+                    child = defer_all_but_nearest(tree, node, entries.data(), hits, stack, size);
+                } else {
+                    child = defer_all_but_first(tree, node, hits, stack, size);
+                }
                 continue;
             }
         }
