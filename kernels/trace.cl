@@ -2,13 +2,14 @@
 //
 //   in     nodes [node_count]; primitive ids and a mesh (input.clh), or leaf rows (leaf_triangle.clh);
 //          rays [ray_count] (ray.clh)
-//   inout  control [2]: the next block of rays to be taken (TRACE_PERSISTENT), and how many rays were left
+//   inout  control [2]: the next rays to be taken (TRACE_PERSISTENT), and how many rays were left
 //   out    results: Hit, or for any hit uchar (0 or 1) [ray_count]; counts [ray_count] where has_counts
 //
 // begin_trace     clears control; one group
 // leaf_triangles  out leaf rows [3 * reference_count]; a group for BLOCK_RAYS references
 // trace_closest, trace_any
-//   launch groups for BLOCK_RAYS rays at a time: as many as there are blocks, or with TRACE_PERSISTENT any number
+//   launch groups for BLOCK_RAYS rays each; or with TRACE_PERSISTENT any number of groups, whose items come back for
+//          more until no rays are left
 // deep_closest, deep_any
 //   trace the rays that were left since they overflowed the private stack, and do nothing where there are none
 //   scratch deep_stack [deep_items * deep_capacity], deep_capacity no less than the tree has sibling pairs
@@ -87,11 +88,11 @@ static inline int was_left(Output output, size_t i) {
     return output.is_any ? output.results[i] == LEFT_ANY : ((global const uint4*)output.results)[i].w == LEFT_PRIMITIVE;
 }
 
-static inline void trace_block(Scene scene, global const float4* rays, size_t begin, uint ray_count, Output output,
-                               global uint* control) {
+static inline void trace_rays(Scene scene, global const float4* rays, size_t begin, size_t end, size_t step,
+                              Output output, global uint* control) {
     uint2 entries[TRACE_STACK];
     Stack stack = {entries, 0, 0, TRACE_STACK, 0};
-    FOR_WORK_ITEMS(i, begin, min(begin + BLOCK_RAYS, (size_t)ray_count)) {
+    for (size_t i = begin; i < end; i += step) {
         Hit hit;
         RayCounts counts;
         if (trace_ray(scene, load_ray(rays, i), output.is_any, &stack, &hit, &counts) == TRACE_DONE) {
@@ -119,28 +120,26 @@ static inline void trace_left(Scene scene, global const float4* rays, uint ray_c
 }
 
 #if TRACE_PERSISTENT
-// All items of a work group take part in every turn, since there are barriers in it.
-#define DEFINE_TRACE(name, is_any)                                       \
-    KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS) {                   \
-        const Scene scene = SCENE;                                       \
-        RAYS(is_any);                                                    \
-        local uint block;                                                \
-        for (;;) {                                                       \
-            if (LOCAL_ID == 0) block = atomic_inc(control + NEXT_BLOCK); \
-            LOCAL_BARRIER();                                             \
-            const size_t begin = BLOCK_RAYS * (size_t)block;             \
-            LOCAL_BARRIER();                                             \
-            if (begin >= ray_count) break;                               \
-            trace_block(scene, rays, begin, ray_count, output, control); \
-        }                                                                \
+// Each work item by itself: no barriers, and nobody waits for the longest ray of a group.
+#define ITEM_RAYS ((BLOCK_RAYS + WORK_GROUP_SIZE - 1) / WORK_GROUP_SIZE)
+#define DEFINE_TRACE(name, is_any)                                                                         \
+    KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS) {                                                     \
+        const Scene scene = SCENE;                                                                         \
+        RAYS(is_any);                                                                                      \
+        for (;;) {                                                                                         \
+            const size_t begin = ITEM_RAYS * (size_t)atomic_inc(control + NEXT_BLOCK);                     \
+            if (begin >= ray_count) break;                                                                 \
+            trace_rays(scene, rays, begin, min(begin + ITEM_RAYS, (size_t)ray_count), 1, output, control); \
+        }                                                                                                  \
     }
 #else
-#define DEFINE_TRACE(name, is_any)                                   \
-    KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS) {               \
-        const Scene scene = SCENE;                                   \
-        RAYS(is_any);                                                \
-        const size_t begin = BLOCK_RAYS * get_group_id(0);           \
-        trace_block(scene, rays, begin, ray_count, output, control); \
+#define DEFINE_TRACE(name, is_any)                                                        \
+    KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS) {                                    \
+        const Scene scene = SCENE;                                                        \
+        RAYS(is_any);                                                                     \
+        const size_t begin = BLOCK_RAYS * get_group_id(0);                                \
+        const size_t end = min(begin + BLOCK_RAYS, (size_t)ray_count);                    \
+        trace_rays(scene, rays, begin + LOCAL_ID, end, WORK_GROUP_SIZE, output, control); \
     }
 #endif
 

@@ -89,6 +89,10 @@ CheckedScene check_scene(const Session& session, const DeviceScene& given) {
 
 TraceRays check_rays(const Session& session, const CheckedScene& scene, const DeviceRays& given, bool any) {
     const std::uint64_t count = given.count;
+    if (count > kMaxDeviceRays) {
+        throw Error(ErrorCode::unsupported, std::to_string(count) + " rays are more than the " +
+                                                std::to_string(kMaxDeviceRays) + " of one call; trace in parts");
+    }
     const CallerMemory rays = look_at_array(session, "the rays", given.rays, sizeof(Ray) * count, kRayAlignment);
     const CallerMemory results =
         any ? device::look_at(session, "the results", given.results, count)

@@ -18,10 +18,10 @@ struct DeviceTracerOptions {
     /// CPUs that pass the self-test.
     Shape shape = Shape::automatic;
     std::uint32_t work_group_size = 0;  ///< Of the group shape, 2 to 1024; 0: 64.
-    std::uint32_t block_rays = 0;       ///< Rays that a work group takes at a time, up to 65536; 0: 64, or one an item.
+    std::uint32_t block_rays = 0;       ///< Rays for a work group, up to 65536; 0: 64 (lane), or one an item (group).
     std::uint32_t stack_entries = 0;    ///< Of a ray's private stack, 1 to 1024; 0: 48. Rays that need more cost more.
-    /// Work groups that take blocks from a common counter until none is left (Aila, Laine 2009, "Understanding the
-    /// Efficiency of Ray Traversal on GPUs", section 3.3), up to 65536; 0: a work group for each block.
+    /// Work groups whose items take rays from a common counter until none is left (Aila, Laine 2009, "Understanding the
+    /// Efficiency of Ray Traversal on GPUs", section 3.3), up to 65536; 0: as many groups as there are blocks of rays.
     std::uint32_t persistent_groups = 0;
 };
 
@@ -45,13 +45,16 @@ struct DeviceScene {
     DeviceSpan leaf_triangles;  ///< Filled by DeviceTracer::enqueue_leaf_triangles; a multiple of 64 bytes in.
 };
 
+/// Rays that can be traced at once.
+inline constexpr std::uint32_t kMaxDeviceRays = 0x7FFFFFFFU;
+
 /// Rays in device memory, and where their hits go.
 struct DeviceRays {
-    std::uint32_t count = 0;
-    DeviceSpan rays;     ///< Ray [count]; a multiple of 16 bytes in.
-    DeviceSpan results;  ///< Hit [count], a multiple of 16 bytes in; or, of enqueue_any, a byte each: 1 or 0.
-    DeviceSpan counts;   ///< RayCounts [count], a multiple of 16 bytes in; may be left out.
-    DeviceSpan scratch;  ///< DeviceTraceSizes::scratch bytes, a multiple of 64 in.
+    std::uint32_t count = 0;  ///< At most kMaxDeviceRays.
+    DeviceSpan rays;          ///< Ray [count]; a multiple of 16 bytes in.
+    DeviceSpan results;       ///< Hit [count], a multiple of 16 bytes in; or, of enqueue_any, a byte each: 1 or 0.
+    DeviceSpan counts;        ///< RayCounts [count], a multiple of 16 bytes in; may be left out.
+    DeviceSpan scratch;       ///< DeviceTraceSizes::scratch bytes, a multiple of 64 in.
 };
 
 /// Bytes that tracing needs beside the tree, the rays and the hits.
