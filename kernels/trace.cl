@@ -15,6 +15,7 @@
 //   scratch deep_stack [deep_items * deep_capacity], deep_capacity no less than the tree has sibling pairs
 //   launch deep_items work items or more
 #include "work_group.clh"
+#include "aabb.clh"
 #include "input.clh"
 #include "ray.clh"
 #include "ray_box.clh"
@@ -164,7 +165,7 @@ KERNEL void begin_trace(global uchar* control_buffer, ulong control_offset) {
 
 KERNEL void leaf_triangles(SCENE_ARGUMENTS, uint reference_count, global uchar* rows_buffer, ulong rows_offset) {
     const Scene scene = SCENE;
-    const TriangleRay unturned = {0, 1, 2, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+    const TriangleRay unturned = {0, 1, 2};
     global float4* const rows = AT(float4, rows_buffer, rows_offset);
     const size_t begin = BLOCK_RAYS * get_group_id(0);
     FOR_WORK_ITEMS(i, begin, min(begin + BLOCK_RAYS, (size_t)reference_count)) {
