@@ -10,6 +10,8 @@
 // trace_closest, trace_any
 //   launch groups for BLOCK_RAYS rays each; or with TRACE_PERSISTENT any number of groups, whose items come back for
 //          more until no rays are left
+// wide_closest, wide_any
+//   the same through a tree of eight children (wide_tree.clh); a group for each BLOCK_RAYS rays
 // deep_closest, deep_any
 //   trace the rays that were left since they overflowed the private stack, and do nothing where there are none
 //   scratch deep_stack [deep_items * deep_capacity], deep_capacity no less than the tree has sibling pairs
@@ -22,6 +24,9 @@
 #include "ray_triangle.clh"
 #include "leaf_triangle.clh"
 #include "trace_ray.clh"
+#if LANE_SHAPE
+#include "wide_tree.clh"
+#endif
 
 #ifndef BLOCK_RAYS
 #define BLOCK_RAYS WORK_GROUP_SIZE
@@ -85,6 +90,16 @@ static inline void leave_ray(Output output, size_t i) {
     }
 }
 
+static inline void store_or_leave(Output output, size_t i, int is_done, Hit hit, RayCounts counts,
+                                  global uint* control) {
+    if (is_done) {
+        store_result(output, i, hit, counts);
+    } else {
+        leave_ray(output, i);
+        atomic_inc(control + LEFT_RAYS);
+    }
+}
+
 static inline int was_left(Output output, size_t i) {
     return output.is_any ? output.results[i] == LEFT_ANY : ((global const uint4*)output.results)[i].w == LEFT_PRIMITIVE;
 }
@@ -96,12 +111,8 @@ static inline void trace_rays(Scene scene, global const float4* rays, size_t beg
     for (size_t i = begin; i < end; i += step) {
         Hit hit;
         RayCounts counts;
-        if (trace_ray(scene, load_ray(rays, i), output.is_any, &stack, &hit, &counts) == TRACE_DONE) {
-            store_result(output, i, hit, counts);
-        } else {
-            leave_ray(output, i);
-            atomic_inc(control + LEFT_RAYS);
-        }
+        const int is_done = trace_ray(scene, load_ray(rays, i), output.is_any, &stack, &hit, &counts) == TRACE_DONE;
+        store_or_leave(output, i, is_done, hit, counts, control);
     }
 }
 
@@ -158,6 +169,24 @@ DEFINE_TRACE(trace_closest, 0)
 DEFINE_TRACE(trace_any, 1)
 DEFINE_DEEP_TRACE(deep_closest, 0)
 DEFINE_DEEP_TRACE(deep_any, 1)
+
+#if LANE_SHAPE
+#define DEFINE_WIDE_TRACE(name, is_any)                                                                      \
+    KERNEL void name(global const float* nodes, global const float* blocks, RAY_ARGUMENTS) {                 \
+        const WideScene scene = {nodes, blocks};                                                             \
+        RAYS(is_any);                                                                                        \
+        const size_t begin = BLOCK_RAYS * get_group_id(0);                                                   \
+        uint2 stack[WIDE_STACK];                                                                             \
+        for (size_t i = begin; i < min(begin + BLOCK_RAYS, (size_t)ray_count); ++i) {                        \
+            Hit hit;                                                                                         \
+            const int is_done = trace_wide_ray(scene, load_ray(rays, i), is_any, stack, &hit) == TRACE_DONE; \
+            store_or_leave(output, i, is_done, hit, no_counts(), control);                                   \
+        }                                                                                                    \
+    }
+
+DEFINE_WIDE_TRACE(wide_closest, 0)
+DEFINE_WIDE_TRACE(wide_any, 1)
+#endif
 
 KERNEL void begin_trace(global uchar* control_buffer, ulong control_offset) {
     if (LOCAL_ID == 0) *AT(uint2, control_buffer, control_offset) = (uint2)(0, 0);

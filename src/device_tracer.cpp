@@ -10,6 +10,7 @@
 #include "device/host_scene.hpp"
 #include "device/trace.hpp"
 #include "trace/check_tree.hpp"
+#include "trace/wide_tree.hpp"
 
 namespace clbvh {
 namespace {
@@ -119,6 +120,13 @@ TraceRays check_rays(const Session& session, const CheckedScene& scene, const De
     return checked;
 }
 
+/// On a processor eight boxes at a time are as fast as two, and leave half as many branches to guess.
+void add_wide_tree(Session& session, device::HostScene& scene, const Bvh& bvh, const Mesh& mesh) {
+    const std::vector<trace::LeafTriangle> triangles = trace::copy_triangles(bvh, mesh);
+    const trace::WideTree wide = trace::make_wide_tree(bvh.nodes, triangles);
+    scene.set_wide_tree(session, std::as_bytes(std::span(wide.nodes)), std::as_bytes(std::span(wide.blocks)));
+}
+
 void check_length(std::string_view name, std::size_t length, std::size_t rays) {
     if (length == rays) return;
     throw Error(ErrorCode::invalid_input, std::string(name) + " has room for " + std::to_string(length) +
@@ -203,6 +211,7 @@ void DeviceTracer::set_scene(const Bvh& bvh, const Mesh& mesh) {
         state_->host_scene.reset();
         static_cast<void>(trace::check_tree(bvh, mesh));
         state_->host_scene.emplace(state_->context.session(), state_->settings, bvh, mesh);
+        if (shape() == Shape::lane) add_wide_tree(state_->context.session(), *state_->host_scene, bvh, mesh);
     });
 }
 

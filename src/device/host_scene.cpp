@@ -58,6 +58,13 @@ void HostScene::copy_triangles(Session& session, const TraceSettings& settings, 
     session.queue().finish();
 }
 
+void HostScene::set_wide_tree(Session& session, std::span<const std::byte> nodes, std::span<const std::byte> blocks) {
+    if (nodes.empty() || std::max(nodes.size(), blocks.size()) > session.info().max_allocation_bytes) return;
+    with_opencl_errors("copying a tree of eight children to the device", [&] {
+        wide_ = {upload(session, nodes), upload(session, blocks)};
+    });
+}
+
 void HostScene::trace(Session& session, const TraceSettings& settings, std::span<const Ray> rays, bool any,
                       std::span<std::byte> results, std::span<RayCounts> counts) {
     const std::size_t result_bytes = any ? 1 : sizeof(Hit);
@@ -73,7 +80,7 @@ void HostScene::trace(Session& session, const TraceSettings& settings, std::span
         if (!counts.empty()) part.counts = {counts_.reserve(session, count * sizeof(RayCounts))};
         queue.enqueueWriteBuffer(part.rays.buffer, CL_TRUE, 0, count * sizeof(Ray), rays.data() + begin);
         Launcher launcher(session, queue, {});
-        launch_trace(launcher, settings, scene_, part);
+        launch_trace(launcher, settings, scene_, part, wide_);
         queue.finish();
         queue.enqueueReadBuffer(part.results.buffer, CL_TRUE, 0, count * result_bytes,
                                 results.data() + begin * result_bytes);

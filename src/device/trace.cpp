@@ -120,21 +120,28 @@ void launch_leaf_triangles(Launcher& launcher, const TraceSettings& settings, co
                                std::make_tuple(scene.reference_count, out.buffer, out.offset)));
 }
 
-void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays) {
+void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays,
+                  const WideScene& wide) {
     if (rays.count == 0) return;
     launcher.begin_stage("trace", 0.0);
     const ProgramSpec program = trace_program(settings);
     const auto kernel = [&](const char* name) -> Kernel& { return launcher.session().kernel(program, name); };
     const TracePlan plan = plan_trace(scene.node_count);
-    const auto arguments = std::tuple_cat(scene_arguments(scene, rays.scratch.buffer), ray_arguments(rays));
-    launcher.launch(kernel("begin_trace"), 1, rays.scratch.buffer, rays.scratch.offset);
+    const auto ray_values = ray_arguments(rays);
+    const auto all_values = std::tuple_cat(scene_arguments(scene, rays.scratch.buffer), ray_values);
     const std::size_t blocks = groups_for(rays.count, settings.block_rays);
-    launch_with(launcher, kernel(rays.any ? "trace_any" : "trace_closest"),
-                settings.persistent_groups > 0 ? settings.persistent_groups : blocks, arguments);
+    launcher.launch(kernel("begin_trace"), 1, rays.scratch.buffer, rays.scratch.offset);
+    if (wide.nodes() != nullptr && rays.counts.buffer() == nullptr) {
+        launch_with(launcher, kernel(rays.any ? "wide_any" : "wide_closest"), blocks,
+                    std::tuple_cat(std::make_tuple(wide.nodes, wide.blocks), ray_values));
+    } else {
+        launch_with(launcher, kernel(rays.any ? "trace_any" : "trace_closest"),
+                    settings.persistent_groups > 0 ? settings.persistent_groups : blocks, all_values);
+    }
     launch_with(
         launcher, kernel(rays.any ? "deep_any" : "deep_closest"), groups_for(plan.deep_items, settings.work_group_size),
-        std::tuple_cat(arguments, std::make_tuple(rays.scratch.buffer, rays.scratch.offset + TracePlan::kControlBytes,
-                                                  plan.deep_items, plan.deep_capacity)));
+        std::tuple_cat(all_values, std::make_tuple(rays.scratch.buffer, rays.scratch.offset + TracePlan::kControlBytes,
+                                                   plan.deep_items, plan.deep_capacity)));
 }
 
 }  // namespace clbvh::device

@@ -54,11 +54,17 @@ struct TraceRays {
     Block counts;  ///< May have no buffer.
 };
 
+/// The same tree with eight children a node, for the lane shape; see kernels/wide_tree.clh.
+struct WideScene {
+    cl::Buffer nodes, blocks;  ///< Null where there is none.
+};
+
 /// The triangles of the scene's mesh into `out`. One launch, none where there are no references.
 void launch_leaf_triangles(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene,
                            const Block& out);
 
-/// Three launches, none where there are no rays.
-void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays);
+/// Three launches, none where there are no rays. Rays go through `wide` where there is one and nobody counts.
+void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays,
+                  const WideScene& wide = {});
 
 }  // namespace clbvh::device
