@@ -57,19 +57,24 @@ Found found_by_host(const Bvh& bvh, const Mesh& mesh, TriangleTest test, std::sp
     return found;
 }
 
-Found found_by_device(DeviceTracer& tracer, std::span<const Ray> rays) {
-    Found found(rays.size());
-    tracer.closest(rays, found.hits, found.closest_counts);
-    tracer.any(rays, found.is_hit, found.any_counts);
-    return found;
-}
-
 template <typename T>
 std::size_t count_differences(const std::vector<T>& a, const std::vector<T>& b) {
     std::size_t differences = a.size() == b.size() ? 0 : 1;
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
         differences += std::memcmp(&a[i], &b[i], sizeof(T)) != 0 ? 1 : 0;
     return differences;
+}
+
+/// Also checks that nothing changes where nobody counts.
+Found found_by_device(DeviceTracer& tracer, std::span<const Ray> rays) {
+    Found found(rays.size()), uncounted(rays.size());
+    tracer.closest(rays, found.hits, found.closest_counts);
+    tracer.any(rays, found.is_hit, found.any_counts);
+    tracer.closest(rays, uncounted.hits);
+    tracer.any(rays, uncounted.is_hit);
+    CHECK(count_differences(uncounted.hits, found.hits) == 0);
+    CHECK(count_differences(uncounted.is_hit, found.is_hit) == 0);
+    return found;
 }
 
 void check_same(const Found& found, const Found& expected) {

@@ -131,7 +131,8 @@ void launch_trace(Launcher& launcher, const TraceSettings& settings, const Trace
     const auto all_values = std::tuple_cat(scene_arguments(scene, rays.scratch.buffer), ray_values);
     const std::size_t blocks = groups_for(rays.count, settings.block_rays);
     launcher.launch(kernel("begin_trace"), 1, rays.scratch.buffer, rays.scratch.offset);
-    if (wide.nodes() != nullptr && rays.counts.buffer() == nullptr) {
+    const bool goes_wide = wide.nodes() != nullptr && rays.counts.buffer() == nullptr;
+    if (goes_wide && settings.persistent_groups == 0) {
         launch_with(launcher, kernel(rays.any ? "wide_any" : "wide_closest"), blocks,
                     std::tuple_cat(std::make_tuple(wide.nodes, wide.blocks), ray_values));
     } else {
