@@ -234,5 +234,8 @@ const Context& DeviceTracer::context() const noexcept {
 Shape DeviceTracer::shape() const noexcept {
     return state_->settings.shape;
 }
+bool DeviceTracer::is_exact() const noexcept {
+    return state_->settings.rounds_divisions && state_->settings.keeps_denormals;
+}
 
 }  // namespace clbvh

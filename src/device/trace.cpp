@@ -36,9 +36,8 @@ Shape chosen_shape(Session& session, Shape option) {
     return session.prefers_lane_shape() ? Shape::lane : Shape::group;
 }
 
-bool can_round_divisions(const Session& session) {
-    const auto device = session.queue().getInfo<CL_QUEUE_DEVICE>();
-    return (device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+cl_device_fp_config float_abilities(const Session& session) {
+    return session.queue().getInfo<CL_QUEUE_DEVICE>().getInfo<CL_DEVICE_SINGLE_FP_CONFIG>();
 }
 
 // SCENE_ARGUMENTS of kernels/trace.cl. What a scene lacks is not read, but no kernel is given a null buffer.
@@ -89,7 +88,9 @@ TraceSettings resolve_trace_settings(Session& session, const DeviceTracerOptions
     settings.block_rays = chosen(options.block_rays, is_group ? settings.work_group_size : kLaneBlock);
     settings.stack_entries = chosen(options.stack_entries, kStackEntries);
     settings.persistent_groups = options.persistent_groups;
-    settings.rounds_divisions = can_round_divisions(session);
+    const cl_device_fp_config abilities = float_abilities(session);
+    settings.rounds_divisions = (abilities & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    settings.keeps_denormals = (abilities & CL_FP_DENORM) != 0;
     return settings;
 }
 
