@@ -44,6 +44,19 @@ private:
     DeferredChild* entries_ = few_.data();
 };
 
+/// Asks for all of a node or block that will be visited, unless it gets out of the ray's reach until then.
+inline void prefetch([[maybe_unused]] const WideTree& tree, [[maybe_unused]] std::uint32_t child) noexcept {
+#if defined(__GNUC__)
+    constexpr std::size_t line = 64;
+    const bool is_leaf = (child & kLeafFlag) != 0;
+    const auto* const begin = is_leaf ? reinterpret_cast<const char*>(&tree.blocks[child & ~kLeafFlag])
+                                      : reinterpret_cast<const char*>(&tree.nodes[child]);
+    const std::size_t bytes = is_leaf ? sizeof(TriangleBlock) : sizeof(WideNode);
+    for (std::size_t offset = 0; offset < bytes; offset += line)
+        __builtin_prefetch(begin + offset);
+#endif
+}
+
 namespace portable {
 #define CLBVH_TRACE_LANES 1
 #include "trace/wide_lanes.ipp"

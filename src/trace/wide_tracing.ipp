@@ -227,6 +227,25 @@ private:
     bool is_hit_ = false;
 };
 
+/// Puts the children that are hit onto the stack, far ones first, save the nearest, which is returned.
+inline std::uint32_t defer_all_but_nearest(const WideTree& tree, const WideNode& node, const float* entries,
+                                           std::uint32_t hits, DeferredChild* stack, std::size_t& size) noexcept {
+    auto slot = static_cast<std::uint32_t>(std::countr_zero(hits));
+    DeferredChild nearest{entries[slot], node.children[slot]};
+    const std::size_t bottom = size;
+    for (hits &= hits - 1; hits != 0; hits &= hits - 1) {
+        slot = static_cast<std::uint32_t>(std::countr_zero(hits));
+        DeferredChild other{entries[slot], node.children[slot]};
+        if (other.t < nearest.t) std::swap(nearest, other);
+        std::size_t place = size++;
+        for (; place > bottom && stack[place - 1].t < other.t; --place)
+            stack[place] = stack[place - 1];
+        stack[place] = other;
+        prefetch(tree, other.child);
+    }
+    return nearest.child;
+}
+
 /// Takes the ray to the blocks of all leaves whose boxes it meets, near ones first.
 template <typename Visitor>
 void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept {
@@ -243,13 +262,9 @@ void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept
             const WideNode& node = tree.nodes[child];
             alignas(32) std::array<float, kWideChildren> entries;
             std::uint32_t hits = box_test.enter(node, visitor.t_max(), entries.data());
-            const std::size_t bottom = size;
-            for (; hits != 0; hits &= hits - 1) {
-                const auto slot = static_cast<std::uint32_t>(std::countr_zero(hits));
-                std::size_t place = size++;
-                for (; place > bottom && stack[place - 1].t < entries[slot]; --place)
-                    stack[place] = stack[place - 1];
-                stack[place] = {entries[slot], node.children[slot]};
+            if (hits != 0) {
+                child = defer_all_but_nearest(tree, node, entries.data(), hits, stack, size);
+                continue;
             }
         }
         do {

@@ -18,9 +18,9 @@ public:
             open_.pop_back();
             const std::uint32_t child =
                 is_small(nodes_[open.binary]) ? add_leaf(open.binary) | kLeafFlag : add_node(open.binary, open.depth);
-            tree_.nodes[open.parent].children[open.slot] = child;
+            made_nodes_[open.parent].children[open.slot] = child;
         }
-        return std::move(tree_);
+        return {HugePageArray<WideNode>(made_nodes_), HugePageArray<TriangleBlock>(made_blocks_), depth_};
     }
 
 private:
@@ -75,9 +75,9 @@ private:
     }
 
     std::uint32_t add_node(std::uint32_t binary, std::uint32_t depth) {
-        const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
+        const auto index = static_cast<std::uint32_t>(made_nodes_.size());
         const Children children = children_of(binary);
-        WideNode& node = tree_.nodes.emplace_back();
+        WideNode& node = made_nodes_.emplace_back();
         for (std::uint32_t slot = 0; slot < kWideChildren; ++slot) {
             const Aabb box = slot < children.count ? nodes_[children.binary[slot]].bounds() : Aabb{};
             const std::array<Vec3, 2> corners = {box.lower, box.upper};
@@ -90,19 +90,19 @@ private:
         }
         for (std::uint32_t slot = children.count; slot-- > 0;)
             open_.push_back({children.binary[slot], index, slot, depth + 1});
-        tree_.depth = std::max(tree_.depth, depth);
+        depth_ = std::max(depth_, depth);
         return index;
     }
 
     std::uint32_t add_leaf(std::uint32_t binary) {
         leaf_.clear();
         collect(nodes_[binary]);
-        const auto first = static_cast<std::uint32_t>(tree_.blocks.size());
+        const auto first = static_cast<std::uint32_t>(made_blocks_.size());
         for (std::size_t begin = 0; begin < leaf_.size(); begin += kBlockTriangles) {
             const std::size_t count = std::min<std::size_t>(kBlockTriangles, leaf_.size() - begin);
             add_block(std::span(leaf_).subspan(begin, count));
         }
-        tree_.blocks.back().primitives[0] |= TriangleBlock::kLastBlockFlag;
+        made_blocks_.back().primitives[0] |= TriangleBlock::kLastBlockFlag;
         return first;
     }
 
@@ -118,7 +118,7 @@ private:
 
     void add_block(std::span<const std::uint32_t> slots) {
         constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-        TriangleBlock& block = tree_.blocks.emplace_back();
+        TriangleBlock& block = made_blocks_.emplace_back();
         for (std::size_t lane = 0; lane < kBlockTriangles; ++lane) {
             LeafTriangle triangle{{{nan, nan, nan}, {nan, nan, nan}, {nan, nan, nan}}, 0};
             if (lane < slots.size()) triangle = triangles_[slots[lane]];
@@ -134,7 +134,9 @@ private:
 
     std::span<const Node> nodes_;
     std::span<const LeafTriangle> triangles_;
-    WideTree tree_;
+    std::vector<WideNode> made_nodes_;
+    std::vector<TriangleBlock> made_blocks_;
+    std::uint32_t depth_ = 0;
     std::vector<Open> open_;
     std::vector<std::uint32_t> leaf_;  ///< Places in triangles_ that the leaf at hand is over.
 };
