@@ -25,18 +25,6 @@ using namespace trace;
 /// Rays of one task of the calls for many.
 constexpr std::size_t kRaysPerTask = 256;
 
-std::vector<LeafTriangle> copy_triangles(const Bvh& bvh, const Mesh& mesh) {
-    std::vector<LeafTriangle> triangles(bvh.primitive_ids.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 4096), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            const std::uint32_t primitive = bvh.primitive_ids[i];
-            const Triangle& t = mesh.triangles[primitive];
-            triangles[i] = {{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, primitive};
-        }
-    });
-    return triangles;
-}
-
 int arena_size(const TracerOptions& options) {
     if (options.thread_count == 0) return tbb::task_arena::automatic;
     check_range("thread_count", options.thread_count, 1, 1024);

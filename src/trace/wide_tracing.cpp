@@ -92,23 +92,16 @@ namespace avx2 {
 }  // namespace
 
 bool is_available(InstructionSet set) noexcept {
-    switch (set) {
-        case InstructionSet::portable: return true;
-        case InstructionSet::sse2:
-#if defined(CLBVH_TRACE_HAS_SSE2)
-            return true;
-#else
-            return false;
-#endif
-        case InstructionSet::avx2:
 #if defined(CLBVH_TRACE_HAS_AVX2)
-            return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-                   __builtin_cpu_supports("lzcnt");
-#else
-            return false;
-#endif
+    if (set == InstructionSet::avx2) {
+        return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
+               __builtin_cpu_supports("lzcnt");
     }
-    return false;
+#endif
+#if defined(CLBVH_TRACE_HAS_SSE2)
+    if (set == InstructionSet::sse2) return true;
+#endif
+    return set == InstructionSet::portable;
 }
 
 InstructionSet best_instruction_set() noexcept {
