@@ -79,7 +79,8 @@ Camera view_from_outside(const Aabb& box, const Vec3& up) {
     constexpr float distance = 1.45f;  // in diagonals of the box
     const Horizon horizon(up);
     const Vec3 centre = inside_at(box, {0.5f, 0.5f, 0.5f});
-    const float diagonal = std::max(length(box.upper - box.lower), 1e-30f);
+    // A point gets some distance too, of which its coordinates can tell.
+    const float diagonal = std::max({length(box.upper - box.lower), 1e-5f * length(centre), 1e-30f});
     const Vec3 way = towards(horizon, up, 0.55f, -0.85f, rise);
     return {centre + way * (distance * diagonal), centre, up, field_of_view};
 }

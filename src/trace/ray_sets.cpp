@@ -87,7 +87,10 @@ public:
         diagonal_ = static_cast<float>(std::sqrt((size[0] * size[0] + size[1] * size[1]) + size[2] * size[2]));
     }
 
-    [[nodiscard]] bool empty() const { return !(areas_[0] + areas_[1] + areas_[2] > 0.0); }
+    [[nodiscard]] bool empty() const {
+        const bool holds_points = size_.x >= 0.0f && size_.y >= 0.0f && size_.z >= 0.0f;
+        return !holds_points || areas_[0] + areas_[1] + areas_[2] == 0.0;
+    }
 
     [[nodiscard]] Ray line(Random& random) const {
         const std::size_t axis = random_axis(random);
