@@ -9,6 +9,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/error.hpp"
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/core/ray.hpp"
 #include "clbvh/core/validate.hpp"
 #include "clbvh/device/batch_builder.hpp"
 #include "clbvh/device/context.hpp"
@@ -24,3 +25,5 @@
 #include "clbvh/host/sweep_sah.hpp"
 #include "clbvh/metrics/sah.hpp"
 #include "clbvh/registry.hpp"
+#include "clbvh/trace/tracer.hpp"
+#include "clbvh/trace/traverse.hpp"

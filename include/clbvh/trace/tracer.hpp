@@ -38,6 +38,10 @@ public:
     /// Calls `visit` with every hit, ordered by t and then by primitive, until it returns false.
     void all(const Ray& ray, const std::function<bool(const Hit&)>& visit) const;
 
+    /// What the ray would visit if nothing ended it: every inner node and leaf whose box it meets up to t_max, and
+    /// their triangles. Over random lines through the root's box these add up to the SAH cost.
+    [[nodiscard]] RayCounts visits(const Ray& ray) const;
+
     /// Many rays at a time, in parallel; hits[i] is that of rays[i]. Throws Error(invalid_input) where the spans differ
     /// in length.
     void closest(std::span<const Ray> rays, std::span<Hit> hits) const;
@@ -45,6 +49,7 @@ public:
     /// The same with what each ray cost; counts[i] is set, not added to.
     void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) const;
     void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) const;
+    void visits(std::span<const Ray> rays, std::span<RayCounts> counts) const;
 
     [[nodiscard]] std::uint32_t depth() const noexcept;  ///< Edges on the longest path from the root to a leaf.
 

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+
+#include "clbvh/core/bvh.hpp"
+#include "clbvh/core/mesh.hpp"
+
+namespace clbvh::trace {
+
+/// Proves that all references of `bvh` are in range for `mesh`, and that its nodes form a tree, in linear time; boxes
+/// are taken as they are. Returns its depth. Throws Error(invalid_input) naming the first offender.
+std::uint32_t check_tree(const Bvh& bvh, const Mesh& mesh);
+
+}  // namespace clbvh::trace
