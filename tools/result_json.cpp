@@ -147,7 +147,7 @@ ordered_json to_json(const DeviceInfo& device) {
     };
 }
 
-ordered_json to_json(const std::optional<Context>& context, const BuildOptions& options,
+ordered_json to_json(const std::optional<Context>& context, const SceneArguments& loading, const BuildOptions& options,
                      std::span<const BuildResult> results) {
     ordered_json list = ordered_json::array();
     for (const BuildResult& result : results)
@@ -155,6 +155,7 @@ ordered_json to_json(const std::optional<Context>& context, const BuildOptions& 
     return {{"machine", to_json(describe_machine(), context)},
             {"device", context ? to_json(context->device()) : ordered_json()},
             {"profile", profile_json(context)},
+            {"rotate_degrees", loading.rotate_degrees},
             {"options", options_json(options)},
             {"results", std::move(list)}};
 }

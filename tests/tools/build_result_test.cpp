@@ -53,7 +53,7 @@ TEST_CASE("a tree that is not valid has no cost, and its own exit code") {
     CHECK(report_invalid_trees(results) == 3);
     results[1].is_peer = true;
     CHECK(report_invalid_trees(results) == 0);
-    const auto json = to_json(std::nullopt, {}, results)["results"];
+    const auto json = to_json(std::nullopt, {}, {}, results)["results"];
     CHECK(json[0]["valid"] == true);
     CHECK(json[1]["valid"] == false);
     CHECK(nlohmann::ordered_json::parse(json.dump())[1]["sah"].is_null());
