@@ -9,7 +9,7 @@
 #include <optional>
 #include <type_traits>
 
-#include "clbvh/trace/child_boxes.hpp"
+#include "clbvh/trace/box_tests.hpp"
 #include "clbvh/trace/traverse.hpp"
 #include "trace/triangle_tests.hpp"
 

@@ -1,16 +1,13 @@
 // Tracing through a wide tree, in terms of the vectors of wide_lanes.ipp.
 
-/// The ray's side of the eight box tests of a node; the arithmetic is that of RayBoxTest.
+/// The ray's side of the eight box tests of a node; the arithmetic is that of RaySlabs.
 class WideBoxTest {
 public:
-    explicit WideBoxTest(const Ray& ray) noexcept : t_min_(Floats8::filled(RayRange(ray).least)) {
-        const std::array<float, 3> origin = {ray.origin.x, ray.origin.y, ray.origin.z};
-        const std::array<float, 3> direction = {ray.direction.x, ray.direction.y, ray.direction.z};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const float inverse = 1.0f / direction[axis];
-            near_side_[axis] = std::signbit(inverse) ? 1 : 0;
-            origin_[axis] = Floats8::filled(origin[axis]);
-            inverse_[axis] = Floats8::filled(inverse);
+    explicit WideBoxTest(const RaySlabs& slabs) noexcept : t_min_(Floats8::filled(slabs.t_min())) {
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            near_side_[axis] = slabs.enters_high(axis) ? 1 : 0;
+            origin_[axis] = Floats8::filled(slabs.origin(axis));
+            inverse_[axis] = Floats8::filled(slabs.inverse(axis));
         }
     }
 
@@ -43,7 +40,7 @@ struct BlockHits {
 /// WatertightTest on four triangles.
 class WatertightLanes {
 public:
-    WatertightLanes(const WatertightTest& test, const Ray& ray) noexcept
+    WatertightLanes(const WatertightTest& test, const Ray&, float t_min) noexcept
         : x_(test.shear().x),
           y_(test.shear().y),
           z_(test.shear().z),
@@ -51,7 +48,7 @@ public:
                   Floats4::filled(test.shear().origin[z_])},
           factors_{Floats4::filled(test.shear().factor_x), Floats4::filled(test.shear().factor_y),
                    Floats4::filled(test.shear().factor_z)},
-          t_min_(Floats4::filled(RayRange(ray).least)) {}
+          t_min_(Floats4::filled(t_min)) {}
 
     /// Sets t of the sure ones; all of them are between the ray's beginning and t_max.
     BlockHits hits(const TriangleBlock& block, float t_max, float* t) const noexcept {
@@ -95,10 +92,8 @@ private:
 /// MollerTrumboreTest on four triangles.
 class MollerTrumboreLanes {
 public:
-    MollerTrumboreLanes(const MollerTrumboreTest&, const Ray& ray) noexcept
-        : origin_(filled(ray.origin)),
-          direction_(filled(ray.direction)),
-          t_min_(Floats4::filled(RayRange(ray).least)) {}
+    MollerTrumboreLanes(const MollerTrumboreTest&, const Ray& ray, float t_min) noexcept
+        : origin_(filled(ray.origin)), direction_(filled(ray.direction)), t_min_(Floats4::filled(t_min)) {}
 
     /// Sets t of the sure ones; all of them are between the ray's beginning and t_max.
     BlockHits hits(const TriangleBlock& block, float t_max, float* t) const noexcept {
@@ -146,11 +141,23 @@ private:
 template <typename Test>
 using LanesOf = std::conditional_t<std::is_same_v<Test, WatertightTest>, WatertightLanes, MollerTrumboreLanes>;
 
+/// Whether one triangle that `hits` names is hit; `t` is what was computed for a sure one. u and v are of no meaning.
+template <typename Test>
+std::optional<PlaneHit> confirm(const HitRule& rule, const Test& test, const TriangleBlock& block, std::uint32_t lane,
+                                const BlockHits& hits, float t) noexcept {
+    const TriangleVertices triangle = block.triangle(lane);
+    const bool is_sure = (hits.sure >> lane & 1) != 0;
+    return rule.accept(triangle, is_sure ? PlaneHit{t, 0.0f, 0.0f} : test.meet(triangle));
+}
+
 /// Finds the closest hit in leaves.
 template <typename Test>
 class ClosestBlock {
 public:
-    explicit ClosestBlock(const Ray& ray) noexcept : test_(ray), lanes_(test_, ray), range_(ray), t_max_(ray.t_max) {}
+    explicit ClosestBlock(const Ray& ray) noexcept
+        : rule_(ray), test_(ray), lanes_(test_, ray, rule_.t_min()), t_max_(ray.t_max) {}
+
+    [[nodiscard]] const RaySlabs& slabs() const noexcept { return rule_.slabs(); }
 
     /// Up to where a box matters.
     [[nodiscard]] float t_max() const noexcept { return t_max_; }
@@ -159,14 +166,10 @@ public:
     bool visit(const TriangleBlock& block) noexcept {
         alignas(16) std::array<float, kBlockTriangles> t;
         const BlockHits hits = lanes_.hits(block, t_max_, t.data());
-        for (std::uint32_t left = hits.sure; left != 0; left &= left - 1) {
+        for (std::uint32_t left = hits.sure | hits.inexact; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            accept(block, lane, t[lane]);
-        }
-        for (std::uint32_t left = hits.inexact; left != 0; left &= left - 1) {
-            const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::optional<PlaneHit> found = test_.meet(block.triangle(lane));
-            if (found && range_.contains(found->t)) accept(block, lane, found->t);
+            const std::optional<PlaneHit> found = confirm(rule_, test_, block, lane, hits, t[lane]);
+            if (found) take(block, lane, found->t);
         }
         return true;
     }
@@ -174,11 +177,11 @@ public:
     [[nodiscard]] Hit result() const noexcept {
         if (block_ == nullptr) return {};
         const std::optional<PlaneHit> found = test_.meet(block_->triangle(lane_));
-        return found ? Hit{found->t, found->u, found->v, hit_.primitive} : Hit{};
+        return found ? Hit{hit_.t, found->u, found->v, hit_.primitive} : Hit{};
     }
 
 private:
-    void accept(const TriangleBlock& block, std::uint32_t lane, float t) noexcept {
+    void take(const TriangleBlock& block, std::uint32_t lane, float t) noexcept {
         const std::uint32_t primitive = block.primitive(lane);
         if (!is_closer(t, primitive, hit_)) return;
         hit_.t = t_max_ = t;
@@ -187,9 +190,9 @@ private:
         lane_ = lane;
     }
 
+    HitRule rule_;
     Test test_;
     LanesOf<Test> lanes_;
-    RayRange range_;
     float t_max_;
     Hit hit_;  // without u and v
     const TriangleBlock* block_ = nullptr;
@@ -200,18 +203,17 @@ private:
 template <typename Test>
 class AnyBlock {
 public:
-    explicit AnyBlock(const Ray& ray) noexcept : test_(ray), lanes_(test_, ray), range_(ray) {}
+    explicit AnyBlock(const Ray& ray) noexcept : rule_(ray), test_(ray), lanes_(test_, ray, rule_.t_min()) {}
 
-    [[nodiscard]] float t_max() const noexcept { return range_.most; }
+    [[nodiscard]] const RaySlabs& slabs() const noexcept { return rule_.slabs(); }
+    [[nodiscard]] float t_max() const noexcept { return rule_.t_max(); }
 
     bool visit(const TriangleBlock& block) noexcept {
         alignas(16) std::array<float, kBlockTriangles> t;
-        const BlockHits hits = lanes_.hits(block, range_.most, t.data());
-        is_hit_ = hits.sure != 0;
-        for (std::uint32_t left = hits.inexact; left != 0 && !is_hit_; left &= left - 1) {
+        const BlockHits hits = lanes_.hits(block, rule_.t_max(), t.data());
+        for (std::uint32_t left = hits.sure | hits.inexact; left != 0 && !is_hit_; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::optional<PlaneHit> found = test_.meet(block.triangle(lane));
-            is_hit_ = found && range_.contains(found->t);
+            is_hit_ = confirm(rule_, test_, block, lane, hits, t[lane]).has_value();
         }
         return !is_hit_;
     }
@@ -219,16 +221,16 @@ public:
     [[nodiscard]] bool result() const noexcept { return is_hit_; }
 
 private:
+    HitRule rule_;
     Test test_;
     LanesOf<Test> lanes_;
-    RayRange range_;
     bool is_hit_ = false;
 };
 
 /// Takes the ray to the blocks of all leaves whose boxes it meets, near ones first.
 template <typename Visitor>
-void walk(const WideTree& tree, const Ray& ray, Visitor& visitor, DeferredChild* stack) noexcept {
-    const WideBoxTest box_test(ray);
+void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept {
+    const WideBoxTest box_test(visitor.slabs());
     std::size_t size = 0;
     std::uint32_t child = 0;
     for (;;) {
@@ -263,7 +265,7 @@ auto trace(const WideTree& tree, const Ray& ray) {
     Visitor visitor(ray);
     if (!tree.nodes.empty() && is_traceable(ray)) {
         WideStack stack(tree.depth);
-        walk(tree, ray, visitor, stack.entries());
+        walk(tree, visitor, stack.entries());
     }
     return visitor.result();
 }

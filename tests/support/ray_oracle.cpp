@@ -63,6 +63,24 @@ std::optional<Hit> watertight(const std::array<Point, 3>& vertices, const Ray& r
     return Hit{t, weights[1] / sum, weights[2] / sum, 0};
 }
 
+/// Where the ray, from its beginning to its end, is in the box of the vertices, with some slack at the end; or nothing.
+/// A slab that a comparison with NaN concerns is left out.
+std::optional<float> entry_of_box(const std::array<Point, 3>& vertices, const Ray& ray) {
+    const Point o = point(ray.origin), d = point(ray.direction);
+    float entry = std::max(ray.t_min, 0.0f), exit = ray.t_max;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto [lower, upper] = std::minmax({vertices[0][axis], vertices[1][axis], vertices[2][axis]});
+        const float inverse = 1.0f / d[axis];
+        const float to_lower = (lower - o[axis]) * inverse, to_upper = (upper - o[axis]) * inverse;
+        const bool is_backwards = std::signbit(d[axis]);
+        const float first = is_backwards ? to_upper : to_lower, last = is_backwards ? to_lower : to_upper;
+        if (first > entry) entry = first;
+        if (last < exit) exit = last;
+    }
+    if (entry <= exit * (1.0f + 1.0f / 262144)) return entry;
+    return std::nullopt;
+}
+
 Point cross(const Point& a, const Point& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
@@ -203,6 +221,10 @@ std::vector<Hit> brute_force_all(const Mesh& mesh, const Ray& ray, TriangleTest 
             vertices[corner] = point(mesh.vertices[mesh.triangles[i][corner]]);
         auto hit = test == TriangleTest::watertight ? watertight(vertices, ray) : moller_trumbore(vertices, ray);
         if (!hit || !(hit->t >= std::max(ray.t_min, 0.0f)) || !(hit->t <= ray.t_max)) continue;
+        const std::optional<float> entry = entry_of_box(vertices, ray);
+        if (!entry) continue;
+        if (*entry > hit->t * (1.0f + 1.0f / 262144)) hit->t = *entry;
+        if (!(hit->t <= ray.t_max)) continue;
         hit->primitive = static_cast<std::uint32_t>(i);
         hits.push_back(*hit);
     }
