@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <clbvh/core/rotation.hpp>
 #include <clbvh/io/scene.hpp>
 #include <cmath>
+#include <utility>
 
 namespace clbvh::tool {
 namespace {
@@ -29,9 +29,15 @@ void SceneArguments::add_options(CLI::App& command) {
         ->type_name("DEGREES");
 }
 
+std::optional<Rotation> SceneArguments::rotation() const {
+    if (rotate_degrees == 0.0) return {};
+    return Rotation(kAxis, rotate_degrees);
+}
+
 Mesh SceneArguments::load(const std::string& scene) const {
     Mesh mesh = load_scene(scene);
-    return rotate_degrees == 0.0 ? mesh : rotated(std::move(mesh), Rotation(kAxis, rotate_degrees));
+    const std::optional<Rotation> turn = rotation();
+    return turn ? rotated(std::move(mesh), *turn) : mesh;
 }
 
 std::string SceneArguments::note() const {

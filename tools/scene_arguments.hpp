@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <clbvh/core/mesh.hpp>
+#include <clbvh/core/rotation.hpp>
+#include <optional>
 #include <string>
 
 namespace clbvh::tool {
@@ -20,6 +22,8 @@ public:
 
     /// Adds the options to a command; parsing fills this object.
     void add_options(CLI::App& command);
+    /// The turn; nothing where there is none.
+    [[nodiscard]] std::optional<Rotation> rotation() const;
     /// load_scene, with the scene turned.
     [[nodiscard]] Mesh load(const std::string& scene) const;
     /// What tables say of it: "scenes turned by 45 degrees about (1, 1, 1)"; empty where they are not.
