@@ -11,6 +11,7 @@
 
 #include "build_result.hpp"
 #include "progress_bar.hpp"
+#include "scene_arguments.hpp"
 
 namespace clbvh::tool {
 
@@ -22,6 +23,7 @@ struct BenchSettings {
     bool validated = true;
     BuildOptions options;
     std::optional<Context> context;  ///< Where device builders run; needed where there are any.
+    SceneArguments loading;          ///< How a sweep over sizes takes its scenes in.
 };
 
 /// Times every builder, the native sort and, where there is a device, a copy on it in the same rounds (run_rounds) on

@@ -55,13 +55,14 @@ std::string tree_line(const BuildResult& result) {
 
 }  // namespace
 
-std::string build_report(const std::optional<Context>& context, const BuildResult& result, double load_ms,
-                         std::string_view output) {
+std::string build_report(const std::optional<Context>& context, const SceneArguments& loading,
+                         const BuildResult& result, double load_ms, std::string_view output) {
     std::string text;
     const auto line = [&text](std::string_view label, const std::string& value) {
         fmt::format_to(std::back_inserter(text), "{:<9}  {}\n", label, value);
     };
     line("scene", fmt::format("{}: {} triangles, loaded in {:.2f} s", result.scene, result.triangles, load_ms / 1e3));
+    if (!loading.note().empty()) line("turned", loading.note());
     if (context) {
         const DeviceInfo& device = context->device();
         line("device", fmt::format("{}: {} ({})", device.index, device.name, device.platform));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
-#include <clbvh/io/scene.hpp>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -24,6 +23,7 @@
 #include "machine.hpp"
 #include "progress_bar.hpp"
 #include "result_json.hpp"
+#include "scene_arguments.hpp"
 #include "scene_check.hpp"
 #include "stage_report.hpp"
 #include "sweep.hpp"
@@ -35,6 +35,7 @@ namespace {
 
 struct Arguments {
     std::vector<std::string> scenes;
+    SceneArguments loading;
     std::string builders = "all";
     bool peers = false;
     std::uint32_t runs = 5;
@@ -56,8 +57,8 @@ public:
           choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)),
           sweep_(arguments.sweep.empty() ? nullptr : &find_sweep(arguments.sweep)) {
         if (sweep_ != nullptr) keep_readers(*sweep_, arguments.build.options, choice_);
-        settings_ = {choice_.ids,    arguments.peers, arguments.runs, !arguments.unvalidated, arguments.build.options,
-                     choice_.context};
+        settings_ = {choice_.ids,     arguments.peers,  arguments.runs, !arguments.unvalidated, arguments.build.options,
+                     choice_.context, arguments.loading};
     }
 
     void run() {
@@ -73,7 +74,8 @@ public:
 
     /// With "unavailable" in it where some builders are.
     [[nodiscard]] nlohmann::ordered_json document() const {
-        nlohmann::ordered_json document = to_json(choice_.context, arguments_.build.options, results_);
+        nlohmann::ordered_json document =
+            to_json(choice_.context, arguments_.loading, arguments_.build.options, results_);
         for (const std::string& id : choice_.unavailable_ids)
             document["unavailable"].push_back({{"builder", id}, {"reason", choice_.reason}});
         return document;
@@ -84,7 +86,7 @@ private:
         ProgressBar bar;
         for (const std::string& scene : arguments_.scenes) {
             bar.show(0.0, "loading " + scene);
-            const Mesh mesh = load_scene(scene);
+            const Mesh mesh = arguments_.loading.load(scene);
             std::vector<BuildResult> of_scene = bench_scene(settings_, scene, mesh, bar);
             bar.erase();
             print(header() + scene_report(choice_.context, of_scene) + peers_note() + '\n');
@@ -109,9 +111,11 @@ private:
         }
     }
 
-    /// The machine, above the first table only.
+    /// The machine and how scenes were turned, above the first table only.
     [[nodiscard]] std::string header() const {
-        return results_.empty() ? machine_line(describe_machine(), choice_.context) + "\n\n" : "";
+        if (!results_.empty()) return "";
+        const std::string note = arguments_.loading.note();
+        return machine_line(describe_machine(), choice_.context) + (note.empty() ? "" : "\n" + note) + "\n\n";
     }
 
     void print(const std::string& text) const {
@@ -181,9 +185,7 @@ std::string require_one_or_more(const std::string& value) {
 Command add_bench_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("bench", "Time builders side by side, and a native sort beside them");
     auto arguments = std::make_shared<Arguments>();
-    command->add_option("scene", arguments->scenes, "Mesh files, or gen:NAME[:COUNT[:SEED]]; see clbvh scenes")
-        ->type_name("SCENE")
-        ->required();
+    command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
     command
         ->add_option("--builders", arguments->builders,
                      "Ids or groups (all, host, device) with commas between them; see clbvh builders")
@@ -211,6 +213,7 @@ Command add_bench_command(CLI::App& app) {
                      "Most triangles of --sweep size; the scene's COUNT unless given")
         ->check(CLI::Range(std::uint32_t{1}, static_cast<std::uint32_t>(kMaxPrimitives)))
         ->type_name("N");
+    arguments->loading.add_options(*command);
     arguments->build.add_options(*command);
     arguments->json.add_option(*command);
     return {command, [arguments] { return run_bench(*arguments); }};

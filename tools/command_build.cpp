@@ -2,7 +2,6 @@
 
 #include <clbvh/builder.hpp>
 #include <clbvh/io/bvh_file.hpp>
-#include <clbvh/io/scene.hpp>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,6 +18,7 @@
 #include "output_file.hpp"
 #include "progress_bar.hpp"
 #include "result_json.hpp"
+#include "scene_arguments.hpp"
 #include "stopwatch.hpp"
 
 namespace clbvh::tool {
@@ -26,6 +26,7 @@ namespace {
 
 struct Arguments {
     std::string scene;
+    SceneArguments loading;
     std::string builder = "plocpp";
     BuildArguments build;
     bool validate = false;
@@ -72,7 +73,7 @@ int build(const Arguments& arguments) {
     check_arguments(arguments);
     const std::optional<Context> context = choose_builders(arguments.builder, arguments.build.device, kWayOut).context;
     const Stopwatch load;
-    const Mesh mesh = load_scene(arguments.scene);
+    const Mesh mesh = arguments.loading.load(arguments.scene);
     const double load_ms = load.milliseconds();
     throw_if_interrupted();
 
@@ -82,9 +83,10 @@ int build(const Arguments& arguments) {
     throw_if_interrupted();
     const std::string output = result.valid.value_or(true) ? arguments.output : "";
     if (!output.empty()) write_bvh(bvh, output);
-    if (arguments.json.leaves_standard_output()) fmt::print("{}", build_report(context, result, load_ms, output));
+    if (arguments.json.leaves_standard_output())
+        fmt::print("{}", build_report(context, arguments.loading, result, load_ms, output));
     const std::span<const BuildResult> results(&result, 1);
-    arguments.json.write(to_json(context, arguments.build.options, results));
+    arguments.json.write(to_json(context, arguments.loading, arguments.build.options, results));
     return report_invalid_trees(results);
 }
 
@@ -100,10 +102,9 @@ Command add_build_command(CLI::App& app) {
         "Builds twice and reports the second time: the first build warms up, since drivers compile kernels at their "
         "first\nlaunch, and memory is slower when it is first touched.");
     auto arguments = std::make_shared<Arguments>();
-    command->add_option("scene", arguments->scene, "Mesh file, or gen:NAME[:COUNT[:SEED]]; see clbvh scenes")
-        ->type_name("SCENE")
-        ->required();
+    command->add_option("scene", arguments->scene, kSceneHelp)->type_name("SCENE")->required();
     command->add_option("--builder", arguments->builder, "See clbvh builders")->type_name("ID")->capture_default_str();
+    arguments->loading.add_options(*command);
     arguments->build.add_options(*command);
     command->add_option("-o,--output", arguments->output, "Write the tree to this file")
         ->type_name("FILE")

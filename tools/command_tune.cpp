@@ -94,6 +94,7 @@ int tune(const Arguments& arguments) {
         fmt::print("wrote {}; {}\n", path.string(), where_it_is_used(arguments, path));
     }
     arguments.json.write({{"device", to_json(device)},
+                          {"rotate_degrees", arguments.settings.loading.rotate_degrees},
                           {"runs", arguments.settings.runs},
                           {"tried", std::move(tried)},
                           {"profile", ordered_json::parse(text)},
@@ -111,9 +112,8 @@ Command add_tune_command(CLI::App& app) {
         "options that are given win over it. It is used for this device with this driver: where it is in its place\n"
         "(clbvh devices shows it), or the variable CLBVH_PROFILE names it. CLBVH_PROFILE=off uses none.");
     auto arguments = std::make_shared<Arguments>();
-    command->add_option("scene", arguments->settings.scenes, "Mesh files, or gen:NAME[:COUNT[:SEED]]; see clbvh scenes")
-        ->type_name("SCENE")
-        ->capture_default_str();
+    command->add_option("scene", arguments->settings.scenes, kScenesHelp)->type_name("SCENE")->capture_default_str();
+    arguments->settings.loading.add_options(*command);
     command->add_option("--device", arguments->device, "Index, type (gpu, cpu, accelerator) or part of a name")
         ->type_name("D");
     command->add_option("--runs", arguments->settings.runs, "Timed runs of each value, after one that warms up")

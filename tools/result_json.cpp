@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "machine.hpp"
 
@@ -147,16 +148,22 @@ ordered_json to_json(const DeviceInfo& device) {
     };
 }
 
-ordered_json to_json(const std::optional<Context>& context, const BuildOptions& options,
+ordered_json document_json(const std::optional<Context>& context, const SceneArguments& loading,
+                           const BuildOptions& options, ordered_json results) {
+    return {{"machine", to_json(describe_machine(), context)},
+            {"device", context ? to_json(context->device()) : ordered_json()},
+            {"profile", profile_json(context)},
+            {"rotate_degrees", loading.rotate_degrees},
+            {"options", options_json(options)},
+            {"results", std::move(results)}};
+}
+
+ordered_json to_json(const std::optional<Context>& context, const SceneArguments& loading, const BuildOptions& options,
                      std::span<const BuildResult> results) {
     ordered_json list = ordered_json::array();
     for (const BuildResult& result : results)
         list.push_back(result_json(result));
-    return {{"machine", to_json(describe_machine(), context)},
-            {"device", context ? to_json(context->device()) : ordered_json()},
-            {"profile", profile_json(context)},
-            {"options", options_json(options)},
-            {"results", std::move(list)}};
+    return document_json(context, loading, options, std::move(list));
 }
 
 }  // namespace clbvh::tool

@@ -6,15 +6,20 @@
 #include <span>
 
 #include "build_result.hpp"
+#include "scene_arguments.hpp"
 
 namespace clbvh::tool {
 
 [[nodiscard]] nlohmann::ordered_json to_json(const DeviceInfo& device);
 
-/// The document of `build` and `bench`: the machine, the device, null where none was opened, the file of
-/// its profile, null where none is used, the options under the
-/// names of BuildOptions, and one entry per result.
-[[nodiscard]] nlohmann::ordered_json to_json(const std::optional<Context>& context, const BuildOptions& options,
-                                             std::span<const BuildResult> results);
+/// The document of a command that builds: the machine, the device, null where none was opened, the file of its profile,
+/// null where none is used, how scenes were turned, the options under the names of BuildOptions, and the array
+/// `results`.
+[[nodiscard]] nlohmann::ordered_json document_json(const std::optional<Context>& context, const SceneArguments& loading,
+                                                   const BuildOptions& options, nlohmann::ordered_json results);
+
+/// The document of `build` and `bench`, with one entry per result.
+[[nodiscard]] nlohmann::ordered_json to_json(const std::optional<Context>& context, const SceneArguments& loading,
+                                             const BuildOptions& options, std::span<const BuildResult> results);
 
 }  // namespace clbvh::tool

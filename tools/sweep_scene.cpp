@@ -1,6 +1,5 @@
 #include "sweep_scene.hpp"
 
-#include <clbvh/io/scene.hpp>
 #include <list>
 #include <memory>
 #include <optional>
@@ -16,13 +15,13 @@ namespace {
 
 /// A mesh of the sweep, and the sort of as many keys.
 struct SizedMesh {
-    SizedMesh(std::string name_of_scene, ProgressBar& bar)
-        : scene(std::move(name_of_scene)), mesh(load(scene, bar)), sort(mesh.triangles.size()) {}
+    SizedMesh(const SceneArguments& loading, std::string name_of_scene, ProgressBar& bar)
+        : scene(std::move(name_of_scene)), mesh(load(loading, scene, bar)), sort(mesh.triangles.size()) {}
 
-    static Mesh load(const std::string& scene, ProgressBar& bar) {
+    static Mesh load(const SceneArguments& loading, const std::string& scene, ProgressBar& bar) {
         throw_if_interrupted();
         bar.show(0.0, "loading " + scene);
-        return load_scene(scene);
+        return loading.load(scene);
     }
 
     std::string scene;
@@ -38,7 +37,8 @@ public:
         : settings_(settings), progress_(scene, bar) {
         const bool sizes = sweep.values.empty();
         for (const std::uint32_t value : values) {
-            if (sizes || meshes_.empty()) meshes_.emplace_back(sizes ? with_count(scene, value) : scene, bar);
+            if (sizes || meshes_.empty())
+                meshes_.emplace_back(settings.loading, sizes ? with_count(scene, value) : scene, bar);
         }
         for (const std::string& id : settings.builders) {
             auto mesh = meshes_.begin();

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <clbvh/builder.hpp>
 #include <clbvh/core/error.hpp>
-#include <clbvh/io/scene.hpp>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -149,7 +148,7 @@ TunedKnob tune_knob(const Knob& knob, const TuneSettings& settings, const Contex
     for (const std::string& scene : settings.scenes) {
         throw_if_interrupted();
         bar.show_now(0.0, "loading " + scene);
-        try_on(load_scene(scene), scene, tuned, settings.runs, context, options, bar);
+        try_on(settings.loading.load(scene), scene, tuned, settings.runs, context, options, bar);
     }
     bar.erase();
     choose(tuned.trials);

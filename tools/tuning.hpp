@@ -11,6 +11,7 @@
 
 #include "progress_bar.hpp"
 #include "sample.hpp"
+#include "scene_arguments.hpp"
 
 namespace clbvh::tool {
 
@@ -40,6 +41,7 @@ struct TunedKnob {
 struct TuneSettings {
     std::vector<std::string> scenes;
     std::uint32_t runs = 9;  ///< Timed runs of each value.
+    SceneArguments loading{};
 };
 
 /// The knobs that mean something on this device.

@@ -70,7 +70,7 @@ TEST_CASE("bench describes every builder on every scene") {
     REQUIRE(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     const ordered_json document = ordered_json::parse(outcome.out);
-    CHECK(field_names(document) == Words{"machine", "device", "profile", "options", "results"});
+    CHECK(field_names(document) == Words{"machine", "device", "profile", "rotate_degrees", "options", "results"});
     check_options(document["options"]);
     check_device(document["device"]);
     const ordered_json& results = document["results"];
@@ -167,7 +167,8 @@ TEST_CASE("groups stand for their builders, each once, beside ids") {
 
 TEST_CASE("without a device, bench runs the host builders and says why no others") {
     const ordered_json document = bench({"gen:soup:1000"}, kNoDriver);
-    CHECK(field_names(document) == Words{"machine", "device", "profile", "options", "results", "unavailable"});
+    CHECK(field_names(document) ==
+          Words{"machine", "device", "profile", "rotate_degrees", "options", "results", "unavailable"});
     CHECK(document["device"].is_null());
     std::size_t ran = 0;
     std::size_t unavailable = 0;
@@ -249,7 +250,8 @@ TEST_CASE("a benchmark that fails keeps what it has measured") {
     CHECK(outcome.exit_code == 1);
     CHECK_THAT(outcome.err, Contains(broken));
     const ordered_json document = ordered_json::parse(outcome.out);
-    CHECK(field_names(document) == Words{"machine", "device", "profile", "options", "results", "incomplete"});
+    CHECK(field_names(document) ==
+          Words{"machine", "device", "profile", "rotate_degrees", "options", "results", "incomplete"});
     REQUIRE(document["results"].size() == 1);
     check_bench_result(document["results"][0], {"valid"});
     CHECK_THAT(document["incomplete"].get<std::string>(), Contains(broken));

@@ -35,7 +35,7 @@ ordered_json result_of(Words arguments, const Words& environment = {}) {
     REQUIRE(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     const ordered_json document = ordered_json::parse(outcome.out);
-    CHECK(field_names(document) == Words{"machine", "device", "profile", "options", "results"});
+    CHECK(field_names(document) == Words{"machine", "device", "profile", "rotate_degrees", "options", "results"});
     check_options(document["options"]);
     REQUIRE(document["results"].size() == 1);
     const ordered_json& result = document["results"][0];

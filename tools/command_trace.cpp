@@ -1,0 +1,157 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench_report.hpp"
+#include "build_arguments.hpp"
+#include "builder_choice.hpp"
+#include "command.hpp"
+#include "interrupt.hpp"
+#include "json_output.hpp"
+#include "machine.hpp"
+#include "progress_bar.hpp"
+#include "ray_arguments.hpp"
+#include "result_json.hpp"
+#include "scene_arguments.hpp"
+#include "scene_check.hpp"
+#include "trace_result.hpp"
+#include "trace_scene.hpp"
+#include "tracer_arguments.hpp"
+#include "view_arguments.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+struct Arguments {
+    std::vector<std::string> scenes;
+    SceneArguments loading;
+    ViewArguments view;
+    std::string builders = "all";
+    RayArguments rays;
+    TracerArguments tracing;
+    std::uint32_t runs = 5;
+    BuildArguments build;
+    JsonOutput json;
+};
+
+constexpr const char* kWayOut = "--builders host needs no device (see clbvh builders)";
+
+/// Scene after scene; the document holds what has been done so far.
+class Tracing {
+public:
+    explicit Tracing(const Arguments& arguments)
+        : arguments_(arguments), choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)) {
+        choice_.context = arguments.tracing.context(std::move(choice_.context), arguments.build.device);
+        if (std::ranges::find(choice_.ids, kTraceBaseline) == choice_.ids.end())
+            choice_.ids.emplace_back(kTraceBaseline);
+        settings_ = {choice_.ids, arguments.runs, arguments.build.options, choice_.context};
+    }
+
+    void run() {
+        print(unavailable_report(choice_));
+        ProgressBar bar;
+        for (const std::string& scene : arguments_.scenes) {
+            bar.show_now(0.0, "loading " + scene);
+            const ViewedScene viewed = load_viewed(scene, arguments_.loading, arguments_.view);
+            throw_if_interrupted();
+            std::vector<TraceResult> of_scene =
+                trace_scene(settings_, arguments_.rays, arguments_.tracing, scene, viewed, bar);
+            bar.erase();
+            print(header() + trace_report(of_scene) + '\n');
+            std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
+        }
+    }
+
+    [[nodiscard]] const std::vector<TraceResult>& results() const { return results_; }
+
+    [[nodiscard]] nlohmann::ordered_json document() const {
+        nlohmann::ordered_json list = nlohmann::ordered_json::array();
+        for (const TraceResult& result : results_)
+            list.push_back(to_json(result));
+        nlohmann::ordered_json document =
+            document_json(choice_.context, arguments_.loading, arguments_.build.options, std::move(list));
+        for (const std::string& id : choice_.unavailable_ids)
+            document["unavailable"].push_back({{"builder", id}, {"reason", choice_.reason}});
+        return document;
+    }
+
+private:
+    /// The machine and how scenes were turned, above the first table only.
+    [[nodiscard]] std::string header() const {
+        if (!results_.empty()) return "";
+        const std::string note = arguments_.loading.note();
+        return machine_line(describe_machine(), choice_.context) + (note.empty() ? "" : "\n" + note) + "\n\n";
+    }
+
+    void print(const std::string& text) const {
+        if (!arguments_.json.leaves_standard_output()) return;
+        fmt::print("{}", text);
+        std::fflush(stdout);
+    }
+
+    const Arguments& arguments_;
+    BuilderChoice choice_;
+    TraceSettings settings_;
+    std::vector<TraceResult> results_;
+};
+
+/// What can be seen before any work.
+void check_arguments(const Arguments& arguments) {
+    arguments.build.check();
+    arguments.view.check();
+    arguments.json.require_writable();
+    arguments.rays.check(arguments.scenes.size());
+    std::ranges::for_each(arguments.scenes, require_scene);
+}
+
+int run_trace(const Arguments& arguments) {
+    check_arguments(arguments);
+    Tracing tracing(arguments);
+    try {
+        tracing.run();
+    } catch (const std::exception& error) {
+        if (tracing.results().empty()) throw;
+        nlohmann::ordered_json document = tracing.document();
+        document["incomplete"] = interrupted() ? "interrupted" : error.what();
+        arguments.json.write(document);
+        throw;
+    }
+    arguments.json.write(tracing.document());
+    return report_mismatches(tracing.results());
+}
+
+}  // namespace
+
+Command add_trace_command(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("trace", "Trace the same rays through the trees of several builders");
+    command->footer(
+        "Rays are made on the first tree; answers are compared with its own. binned-sah runs as well, to be compared "
+        "with.\nTimes are of the wall clock, medians of rounds in which all trees take their turns.");
+    auto arguments = std::make_shared<Arguments>();
+    command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
+    command
+        ->add_option("--builders,--builder", arguments->builders,
+                     "Ids or groups (all, host, device) with commas between them; see clbvh builders")
+        ->type_name("A,B,C")
+        ->capture_default_str();
+    command->add_option("--runs", arguments->runs, "Timed rounds, after one that warms up, 1 to 1000")
+        ->check(CLI::Range(1, 1000))
+        ->type_name("N")
+        ->capture_default_str();
+    arguments->rays.add_options(*command);
+    arguments->tracing.add_options(*command);
+    arguments->view.add_options(*command);
+    arguments->loading.add_options(*command);
+    arguments->build.add_options(*command);
+    arguments->json.add_option(*command);
+    return {command, [arguments] { return run_trace(*arguments); }};
+}
+
+}  // namespace clbvh::tool

@@ -1,0 +1,39 @@
+#include "ray_engine.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+class HostEngine final : public RayEngine {
+public:
+    HostEngine(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options) : tracer_(bvh, mesh, options) {}
+
+    void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) override {
+        if (counts.empty()) {
+            tracer_.closest(rays, hits);
+        } else {
+            tracer_.closest(rays, hits, counts);
+        }
+    }
+    void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) override {
+        if (counts.empty()) {
+            tracer_.any(rays, is_hit);
+        } else {
+            tracer_.any(rays, is_hit, counts);
+        }
+    }
+
+private:
+    Tracer tracer_;
+};
+
+}  // namespace
+
+std::unique_ptr<RayEngine> make_host_engine(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options) {
+    return std::make_unique<HostEngine>(bvh, mesh, options);
+}
+
+ClosestHits closest_hits_of(RayEngine& engine) {
+    return [&engine](std::span<const Ray> rays, std::span<Hit> hits) { engine.closest(rays, hits, {}); };
+}
+
+}  // namespace clbvh::tool

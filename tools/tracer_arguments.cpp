@@ -1,0 +1,40 @@
+#include "tracer_arguments.hpp"
+
+#include <utility>
+
+#include "build_result.hpp"
+
+namespace clbvh::tool {
+
+void TracerArguments::add_options(CLI::App& command) {
+    command
+        .add_option_function<std::string>(
+            "--triangle-test",
+            [this](const std::string& name) {
+                triangle_test = name == "watertight" ? TriangleTest::watertight : TriangleTest::moller_trumbore;
+            },
+            "How rays are tested against triangles")
+        ->check(CLI::IsMember({"watertight", "moller-trumbore"}))
+        ->type_name("NAME")
+        ->default_str("watertight");
+}
+
+std::optional<Context> TracerArguments::context(std::optional<Context> context, std::string_view selector) const {
+    if (!on_device || context) return context;
+    return Context::open(selector);
+}
+
+std::unique_ptr<RayEngine> TracerArguments::engine(const Bvh& bvh, const Mesh& mesh, const BuildOptions& options,
+                                                   const std::optional<Context>&) const {
+    return make_host_engine(bvh, mesh, {triangle_test, options.thread_count});
+}
+
+std::string TracerArguments::place(const std::optional<Context>& context) const {
+    return on_device ? context->device().name : "host";
+}
+
+std::uint32_t TracerArguments::threads(const BuildOptions& options) const {
+    return on_device ? 0 : host_threads(options);
+}
+
+}  // namespace clbvh::tool

@@ -1,0 +1,60 @@
+#include "view_arguments.hpp"
+
+#include <clbvh/builder.hpp>
+#include <clbvh/core/error.hpp>
+#include <clbvh/core/rotation.hpp>
+#include <clbvh/io/scene.hpp>
+#include <clbvh/trace/tracer.hpp>
+#include <optional>
+#include <utility>
+
+namespace clbvh::tool {
+namespace {
+
+Camera turned(const Camera& camera, const Rotation& rotation) {
+    return {rotation(camera.eye), rotation(camera.target), rotation(camera.up), camera.field_of_view};
+}
+
+/// `parse` of an option's value, with the option's name in what it throws.
+template <typename Parse>
+auto parse_option(const char* name, const Parse& parse) {
+    try {
+        return parse();
+    } catch (const Error& error) {
+        throw Error(error.code(), std::string(name) + ": " + error.what());
+    }
+}
+
+}  // namespace
+
+void ViewArguments::add_options(CLI::App& command) {
+    command
+        .add_option("--camera", camera_,
+                    "Eye x,y,z, target x,y,z and, where liked, the vertical field of view in degrees (45 unless "
+                    "given), in the scene before it is turned; a fitting view unless given")
+        ->type_name("EX,EY,EZ,TX,TY,TZ[,FOV]");
+    command.add_option("--up", up_, "What is up in the scene: x, y, z, -x, -y or -z; a guess unless given")
+        ->type_name("AXIS");
+}
+
+void ViewArguments::check() const {
+    const Vec3 up = parse_option("--up", [&] { return parse_axis(up_.empty() ? "y" : up_); });
+    if (!camera_.empty()) static_cast<void>(parse_option("--camera", [&] { return parse_camera(camera_, up); }));
+}
+
+Camera ViewArguments::camera(const Mesh& unturned) const {
+    const Vec3 up = up_.empty() ? guess_up(unturned) : parse_axis(up_);
+    if (!camera_.empty()) return parse_camera(camera_, up);
+    const Tracer tracer(Builder("binned-sah").build(unturned), unturned);
+    return fit_camera(unturned, up, closest_hits_of(tracer));
+}
+
+ViewedScene load_viewed(const std::string& scene, const SceneArguments& loading, const ViewArguments& view) {
+    Mesh mesh = load_scene(scene);
+    const Camera camera = view.camera(mesh);
+    const std::optional<Rotation> rotation = loading.rotation();
+    if (!rotation) return {std::move(mesh), camera};
+    return {rotated(std::move(mesh), *rotation), turned(camera, *rotation)};
+}
+
+}  // namespace clbvh::tool

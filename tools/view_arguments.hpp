@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <clbvh/core/mesh.hpp>
+#include <clbvh/trace/camera.hpp>
+#include <string>
+
+#include "scene_arguments.hpp"
+
+namespace clbvh::tool {
+
+/// From where a command looks at its scenes.
+class ViewArguments {
+public:
+    /// Adds the options to a command; parsing fills this object.
+    void add_options(CLI::App& command);
+    /// Throws Error(invalid_input) that names the option.
+    void check() const;
+    /// The camera that was asked for, else one that fits the scene before it is turned (fit_camera).
+    [[nodiscard]] Camera camera(const Mesh& unturned) const;
+
+private:
+    std::string camera_;  // empty: one that fits
+    std::string up_;      // empty: a guess
+};
+
+/// A scene as it is traced, and the camera that is turned with it.
+struct ViewedScene {
+    Mesh mesh;
+    Camera camera;
+};
+
+[[nodiscard]] ViewedScene load_viewed(const std::string& scene, const SceneArguments& loading,
+                                      const ViewArguments& view);
+
+}  // namespace clbvh::tool
