@@ -21,6 +21,7 @@ public:
             tracer_.any(rays, is_hit, counts);
         }
     }
+    void visits(std::span<const Ray> rays, std::span<RayCounts> counts) override { tracer_.visits(rays, counts); }
 
 private:
     Tracer tracer_;

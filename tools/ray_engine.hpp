@@ -23,6 +23,8 @@ public:
     virtual void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) = 0;
     /// 1 or 0 each.
     virtual void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) = 0;
+    /// What the rays would visit if nothing ended them. Throws Error(unsupported) on a device.
+    virtual void visits(std::span<const Ray> rays, std::span<RayCounts> counts) = 0;
 };
 
 /// On the host, over a copy of what it needs.

@@ -1,0 +1,261 @@
+#include "path_tracer.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <clbvh/core/vector.hpp>
+#include <clbvh/trace/surface.hpp>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "sample_sequence.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+constexpr std::uint32_t kMostBounces = 5;
+constexpr std::uint32_t kRouletteFrom = 2;
+constexpr float kEndless = std::numeric_limits<float>::infinity();
+constexpr float kBrightest = 12.0f;  // of one path: a rare bright one would be a spot
+constexpr Vec3 kGroundAlbedo{0.62f, 0.60f, 0.57f};
+
+Vec3 modulated(const Vec3& a, const Vec3& b) {
+    return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+
+/// A path under way.
+struct Path {
+    Ray ray;
+    Vec3 throughput{1.0f, 1.0f, 1.0f};
+    std::uint32_t pixel = 0;
+};
+
+/// What a surface sends a light's way, if nothing is between.
+struct LightRay {
+    Ray ray;
+    Vec3 light;
+    std::uint32_t pixel = 0;
+};
+
+/// Where a path meets a surface.
+struct Surface {
+    Vec3 position;
+    Vec3 normal;          ///< Of the triangle.
+    Vec3 shading_normal;  ///< Of the surface that it stands for.
+    Vec3 albedo;
+};
+
+/// The paths of one sample of all pixels, from bounce to bounce.
+class Wave {
+public:
+    Wave(const Mesh& mesh, const SurfaceLook& look, const Lighting& lighting, const Camera& camera, RayEngine& engine,
+         const RenderSettings& settings, std::uint32_t sample)
+        : mesh_(mesh),
+          look_(look),
+          lighting_(lighting),
+          target_(camera.target),
+          engine_(engine),
+          settings_(settings),
+          sample_(sample) {
+        const std::vector<Ray> rays = pixel_rays(camera, settings, sample);
+        light_.resize(rays.size());
+        is_surface_.resize(rays.size());
+        paths_.resize(rays.size());
+        for (std::uint32_t i = 0; i < rays.size(); ++i)
+            paths_[i] = {rays[i], {1.0f, 1.0f, 1.0f}, i};
+    }
+
+    void run(const std::function<void(double)>& progress) {
+        for (std::uint32_t bounce = 0; bounce < kMostBounces && !paths_.empty(); ++bounce) {
+            progress(static_cast<double>(bounce) / kMostBounces);
+            meet_surfaces();
+            bounce_off(bounce);
+            add_light();
+        }
+    }
+
+    /// Each pixel's light of this sample.
+    [[nodiscard]] Vec3 light(std::size_t pixel) const {
+        const Vec3& l = light_[pixel];
+        return min(l, {kBrightest, kBrightest, kBrightest});
+    }
+    [[nodiscard]] bool is_surface(std::size_t pixel) const { return is_surface_[pixel] != 0; }
+
+private:
+    void meet_surfaces() {
+        rays_.resize(paths_.size());
+        for (std::size_t i = 0; i < paths_.size(); ++i)
+            rays_[i] = paths_[i].ray;
+        hits_.resize(rays_.size());
+        engine_.closest(rays_, hits_, {});
+    }
+
+    /// Makes the light rays and the next rays of all paths; those that end are left out.
+    void bounce_off(std::uint32_t bounce) {
+        light_rays_.resize(paths_.size());
+        tbb::parallel_for(std::size_t{0}, paths_.size(), [&](std::size_t i) {
+            light_rays_[i].light = {};
+            const std::optional<Surface> surface = surface_at(paths_[i], hits_[i], bounce);
+            if (!surface) {
+                paths_[i].throughput = {};
+                return;
+            }
+            if (bounce == 0) is_surface_[paths_[i].pixel] = 1;
+            SampleSequence random(settings_.seed + 0x10001U * (bounce + 1), paths_[i].pixel, sample_);
+            light_rays_[i] = light_ray(paths_[i], *surface, random);
+            continue_path(paths_[i], *surface, bounce, random);
+        });
+        std::erase_if(paths_, [](const Path& path) { return path.throughput == Vec3{}; });
+        std::erase_if(light_rays_, [](const LightRay& ray) { return ray.light == Vec3{}; });
+    }
+
+    void add_light() {
+        rays_.resize(light_rays_.size());
+        for (std::size_t i = 0; i < rays_.size(); ++i)
+            rays_[i] = light_rays_[i].ray;
+        is_hit_.resize(rays_.size());
+        engine_.any(rays_, is_hit_, {});
+        for (std::size_t i = 0; i < rays_.size(); ++i) {
+            Vec3& light = light_[light_rays_[i].pixel];
+            if (is_hit_[i] == 0) light = light + light_rays_[i].light;
+        }
+    }
+
+    /// What the path meets; where that is the sky, takes its light.
+    std::optional<Surface> surface_at(const Path& path, const Hit& hit, std::uint32_t bounce) {
+        const float ground = distance_to_ground(path.ray);
+        if (hit && hit.t <= ground) {
+            const SurfacePoint point = surface_point(mesh_, path.ray, hit);
+            const Vec3 smooth = look_.shading_normal(hit, point.normal);
+            return Surface{point.position, point.normal, smooth, look_.albedo(hit, point.normal)};
+        }
+        Vec3& light = light_[path.pixel];
+        float fade = 1.0f;
+        std::optional<Surface> surface;
+        if (ground < kEndless) {
+            Vec3 position = path.ray.origin + path.ray.direction * ground;
+            position = position + lighting_.up * (*lighting_.ground - dot(position, lighting_.up));
+            fade = std::min(1.0f, length(position - target_) / lighting_.ground_extent);
+            fade = fade * fade;
+            surface = Surface{position, lighting_.up, lighting_.up, kGroundAlbedo * (1.0f - fade)};
+        }
+        // Far off, the ground is the sky's horizon.
+        const Vec3 direction = ground < kEndless ? level(path.ray.direction) : path.ray.direction;
+        if (fade > 0.0f) light = light + modulated(path.throughput, lighting_.sky(direction)) * fade;
+        if (fade >= 1.0f || (bounce > 0 && fade > 0.9f)) return {};
+        return surface;
+    }
+
+    [[nodiscard]] float distance_to_ground(const Ray& ray) const {
+        if (!lighting_.ground) return kEndless;
+        const float fall = -dot(ray.direction, lighting_.up);
+        const float height = dot(ray.origin, lighting_.up) - *lighting_.ground;
+        return fall > 0.0f && height > 0.0f ? height / fall : kEndless;
+    }
+
+    [[nodiscard]] Vec3 level(const Vec3& direction) const {
+        return normalized(direction - lighting_.up * dot(direction, lighting_.up));
+    }
+
+    /// A ray to the sun or to one of the lamps; its light is zero where none reaches the surface.
+    [[nodiscard]] LightRay light_ray(const Path& path, const Surface& surface, SampleSequence& random) const {
+        const std::size_t suns = lighting_.to_sun ? 1 : 0;
+        const std::size_t lights = suns + lighting_.lamps.size();
+        const auto [choice, unused] = random.next();
+        const auto [x, y] = random.next_in_disc();
+        if (lights == 0) return {};
+        const auto pick = std::min(static_cast<std::size_t>(choice * static_cast<float>(lights)), lights - 1);
+        LightRay result;
+        result.pixel = path.pixel;
+        result.ray.origin = surface.position;
+        Vec3 light;
+        if (pick < suns) {
+            result.ray.direction =
+                normalized(*lighting_.to_sun + (cosine_direction(*lighting_.to_sun, x, y) -
+                                                *lighting_.to_sun * std::sqrt(1.0f - x * x - y * y)) *
+                                                   kSunRadius);
+            light = kSunlight;
+        } else {
+            const Lamp& lamp = lighting_.lamps[pick - suns];
+            const Vec3 towards = normalized(lamp.centre - surface.position);
+            const Vec3 place = lamp.centre - cosine_direction(towards, x, y) * lamp.radius;
+            const Vec3 way = place - surface.position;
+            const float distance = std::max(length(way), 4.0f * lamp.radius);
+            result.ray.direction = normalized(way);
+            result.ray.t_max = length(way);
+            light = kLamplight * (lamp.intensity / (distance * distance));
+        }
+        const float cosine = dot(surface.shading_normal, result.ray.direction);
+        if (cosine <= 0.0f || dot(surface.normal, result.ray.direction) <= 0.0f) return {};
+        const Vec3 sent = modulated(path.throughput, modulated(surface.albedo, light));
+        result.light = sent * (cosine * static_cast<float>(lights) / std::numbers::pi_v<float>);
+        return result;
+    }
+
+    static void continue_path(Path& path, const Surface& surface, std::uint32_t bounce, SampleSequence& random) {
+        const auto [x, y] = random.next_in_disc();
+        const auto [survival, unused] = random.next();
+        path.ray = {surface.position, 0.0f, cosine_direction(surface.shading_normal, x, y), kEndless};
+        path.throughput = modulated(path.throughput, surface.albedo);
+        const float most = std::max({path.throughput.x, path.throughput.y, path.throughput.z});
+        const float chance = bounce < kRouletteFrom ? 1.0f : std::min(1.0f, most);
+        const bool ends =
+            bounce + 1 == kMostBounces || survival >= chance || dot(path.ray.direction, surface.normal) <= 0.0f;
+        path.throughput = ends ? Vec3{} : path.throughput * (1.0f / chance);
+    }
+
+    const Mesh& mesh_;
+    const SurfaceLook& look_;
+    const Lighting& lighting_;
+    Vec3 target_;
+    RayEngine& engine_;
+    const RenderSettings& settings_;
+    std::uint32_t sample_;
+    std::vector<Vec3> light_;
+    std::vector<std::uint8_t> is_surface_;
+    std::vector<Path> paths_;
+    std::vector<LightRay> light_rays_;
+    std::vector<Ray> rays_;
+    std::vector<Hit> hits_;
+    std::vector<std::uint8_t> is_hit_;
+};
+
+}  // namespace
+
+std::vector<Ray> pixel_rays(const Camera& camera, const RenderSettings& settings, std::uint32_t sample) {
+    const auto width = static_cast<float>(settings.width);
+    const auto height = static_cast<float>(settings.height);
+    const CameraRays view(camera, width / height);
+    std::vector<Ray> rays(std::size_t{settings.width} * settings.height);
+    tbb::parallel_for(std::uint32_t{0}, settings.height, [&](std::uint32_t line) {
+        for (std::uint32_t column = 0; column < settings.width; ++column) {
+            const std::size_t i = std::size_t{line} * settings.width + column;
+            const auto [x, y] = SampleSequence(settings.seed, i, sample).next();
+            rays[i] = view.at((static_cast<float>(column) + x) / width, (static_cast<float>(line) + y) / height);
+        }
+    });
+    return rays;
+}
+
+LitPicture trace_paths(const Mesh& mesh, const SurfaceLook& look, const Lighting& lighting, const Camera& camera,
+                       RayEngine& engine, const RenderSettings& settings) {
+    LitPicture picture{{settings.width, settings.height}, {}};
+    std::vector<Vec3>& pixels = picture.light.pixels();
+    picture.is_surface.resize(pixels.size());
+    const float share = 1.0f / static_cast<float>(settings.samples);
+    for (std::uint32_t sample = 0; sample < settings.samples; ++sample) {
+        Wave wave(mesh, look, lighting, camera, engine, settings, sample);
+        wave.run([&](double part) { settings.progress((sample + part) * static_cast<double>(share)); });
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            pixels[i] = pixels[i] + wave.light(i) * share;
+            if (wave.is_surface(i)) picture.is_surface[i] = 1;
+        }
+    }
+    return picture;
+}
+
+}  // namespace clbvh::tool
