@@ -81,10 +81,9 @@ struct Compass {
     }
 };
 
-/// The direction from which the sun reaches most of what is seen, if it reaches anything to speak of.
-std::optional<Vec3> sun_through_windows(const SeenPoints& seen, const Compass& compass, RayEngine& engine) {
+/// Lets the sun shine from where it reaches most of what is seen, if it reaches anything to speak of.
+void add_sun_through_windows(Lighting& lighting, const SeenPoints& seen, const Compass& compass, RayEngine& engine) {
     constexpr double worth_having = 0.004;
-    std::optional<Vec3> best;
     double best_share = worth_having;
     for (int i = 0; i < 96; ++i) {
         const float azimuth = static_cast<float>(i) * 2.0f * std::numbers::pi_v<float> * 0.618034f;
@@ -96,9 +95,9 @@ std::optional<Vec3> sun_through_windows(const SeenPoints& seen, const Compass& c
         const double share = free_share(rays, seen.points.size(), engine);
         if (share <= best_share) continue;
         best_share = share;
-        best = to_sun;
+        lighting.to_sun = to_sun;
+        lighting.sunny_share = static_cast<float>(share);
     }
-    return best;
 }
 
 /// Below the ceiling over places between the camera and what it sees: they are in the same room.
@@ -181,7 +180,7 @@ Lighting fitting_lighting(const Mesh& mesh, const Camera& camera, RayEngine& eng
         lighting.ground_extent = 6.0f * length(camera.target - camera.eye);
         return lighting;
     }
-    lighting.to_sun = sun_through_windows(seen, compass, engine);
+    add_sun_through_windows(lighting, seen, compass, engine);
     // The room is about as large as the way to what is seen.
     std::vector<float> distances;
     for (const SurfacePoint& point : seen.points)

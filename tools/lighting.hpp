@@ -20,6 +20,7 @@ struct Lamp {
 /// What lights a scene: a sky, a sun and lamps.
 struct Lighting {
     Vec3 up{0.0f, 1.0f, 0.0f};
+    float sunny_share = 1.0f;     ///< About how much of what is seen the sun reaches.
     std::optional<Vec3> to_sun;   ///< Of length 1.
     std::vector<Lamp> lamps;      ///< All alike.
     std::optional<float> ground;  ///< The height, along `up`, of a ground that is not part of the mesh.
@@ -30,7 +31,7 @@ struct Lighting {
 };
 
 /// Light of the sun on a surface at right angles to it.
-inline constexpr Vec3 kSunlight{3.6f, 3.3f, 2.8f};
+inline constexpr Vec3 kSunlight{7.2f, 6.6f, 5.6f};
 /// Radius of the sun's disc at distance 1: larger than the real one's, for softer shadows.
 inline constexpr float kSunRadius = 0.02f;
 inline constexpr Vec3 kLamplight{1.0f, 0.93f, 0.82f};

@@ -20,8 +20,9 @@ namespace {
 constexpr std::uint32_t kMostBounces = 5;
 constexpr std::uint32_t kRouletteFrom = 2;
 constexpr float kEndless = std::numeric_limits<float>::infinity();
-constexpr float kBrightest = 12.0f;  // of one path: a rare bright one would be a spot
-constexpr Vec3 kGroundAlbedo{0.62f, 0.60f, 0.57f};
+constexpr float kBrightest = 12.0f;   // of one path: a rare bright one would be a spot
+constexpr float kNearestLamp = 4.0f;  // in radii: nearer surfaces get no more light than there
+constexpr Vec3 kGroundAlbedo{0.50f, 0.48f, 0.45f};
 
 Vec3 modulated(const Vec3& a, const Vec3& b) {
     return {a.x * b.x, a.y * b.y, a.z * b.z};
@@ -161,39 +162,70 @@ private:
         return normalized(direction - lighting_.up * dot(direction, lighting_.up));
     }
 
-    /// A ray to the sun or to one of the lamps; its light is zero where none reaches the surface.
+    /// A ray to one of the lights, chosen by what each would give if nothing were between; its light is zero where
+    /// none reaches the surface.
     [[nodiscard]] LightRay light_ray(const Path& path, const Surface& surface, SampleSequence& random) const {
-        const std::size_t suns = lighting_.to_sun ? 1 : 0;
-        const std::size_t lights = suns + lighting_.lamps.size();
         const auto [choice, unused] = random.next();
         const auto [x, y] = random.next_in_disc();
-        if (lights == 0) return {};
-        const auto pick = std::min(static_cast<std::size_t>(choice * static_cast<float>(lights)), lights - 1);
+        const std::size_t lights = (lighting_.to_sun ? 1U : 0U) + lighting_.lamps.size();
+        float sum = 0.0f;
+        for (std::size_t i = 0; i < lights; ++i)
+            sum += expected_light(i, surface);
         LightRay result;
+        if (sum <= 0.0f) return result;
+        std::size_t pick = 0;
+        float left = choice * sum;
+        while (pick + 1 < lights && left >= expected_light(pick, surface))
+            left -= expected_light(pick++, surface);
+        const float chance = expected_light(pick, surface) / sum;
+        const Arrival arrival =
+            pick < lighting_.lamps.size() ? lamp_at(lighting_.lamps[pick], surface, x, y) : sun(x, y);
+        const float cosine = dot(surface.shading_normal, arrival.direction);
+        if (chance <= 0.0f || cosine <= 0.0f || dot(surface.normal, arrival.direction) <= 0.0f) return result;
+        const Vec3 sent = modulated(path.throughput, modulated(surface.albedo, arrival.light));
+        result.ray = {surface.position, 0.0f, arrival.direction, arrival.distance};
+        result.light = sent * (cosine / (chance * std::numbers::pi_v<float>));
         result.pixel = path.pixel;
-        result.ray.origin = surface.position;
-        Vec3 light;
-        if (pick < suns) {
-            result.ray.direction =
-                normalized(*lighting_.to_sun + (cosine_direction(*lighting_.to_sun, x, y) -
-                                                *lighting_.to_sun * std::sqrt(1.0f - x * x - y * y)) *
-                                                   kSunRadius);
-            light = kSunlight;
-        } else {
-            const Lamp& lamp = lighting_.lamps[pick - suns];
-            const Vec3 towards = normalized(lamp.centre - surface.position);
-            const Vec3 place = lamp.centre - cosine_direction(towards, x, y) * lamp.radius;
-            const Vec3 way = place - surface.position;
-            const float distance = std::max(length(way), 4.0f * lamp.radius);
-            result.ray.direction = normalized(way);
-            result.ray.t_max = length(way);
-            light = kLamplight * (lamp.intensity / (distance * distance));
-        }
-        const float cosine = dot(surface.shading_normal, result.ray.direction);
-        if (cosine <= 0.0f || dot(surface.normal, result.ray.direction) <= 0.0f) return {};
-        const Vec3 sent = modulated(path.throughput, modulated(surface.albedo, light));
-        result.light = sent * (cosine * static_cast<float>(lights) / std::numbers::pi_v<float>);
         return result;
+    }
+
+    /// Light `index` of the lamps and then the sun: about how much of it a surface there can expect.
+    [[nodiscard]] float expected_light(std::size_t index, const Surface& surface) const {
+        if (index == lighting_.lamps.size()) {
+            return lighting_.sunny_share * kSunlight.y * std::max(0.0f, dot(surface.shading_normal, *lighting_.to_sun));
+        }
+        const Lamp& lamp = lighting_.lamps[index];
+        const Vec3 way = lamp.centre - surface.position;
+        const float distance = length(way);
+        // A ball is seen somewhat beyond the horizon of its centre.
+        const float cosine =
+            dot(surface.shading_normal, normalized(way)) + lamp.radius / std::max(distance, lamp.radius);
+        return lamp.intensity * std::max(0.0f, cosine) / square(std::max(distance, kNearestLamp * lamp.radius));
+    }
+
+    static float square(float value) { return value * value; }
+
+    /// What comes from a light.
+    struct Arrival {
+        Vec3 direction;
+        float distance = kEndless;
+        Vec3 light;
+    };
+
+    [[nodiscard]] Arrival sun(float x, float y) const {
+        const Vec3& middle = *lighting_.to_sun;
+        const Vec3 above = cosine_direction(middle, x, y);
+        const Vec3 in_disc = above - middle * dot(above, middle);
+        return {normalized(middle + in_disc * kSunRadius), kEndless, kSunlight};
+    }
+
+    /// (x, y) of the disc that the lamp shows to the surface.
+    static Arrival lamp_at(const Lamp& lamp, const Surface& surface, float x, float y) {
+        const Vec3 back = normalized(surface.position - lamp.centre);
+        const Vec3 way = lamp.centre + cosine_direction(back, x, y) * lamp.radius - surface.position;
+        const float distance = length(way);
+        const float nearest = std::max(distance, kNearestLamp * lamp.radius);
+        return {normalized(way), distance, kLamplight * (lamp.intensity / square(nearest))};
     }
 
     static void continue_path(Path& path, const Surface& surface, std::uint32_t bounce, SampleSequence& random) {

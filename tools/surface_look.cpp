@@ -26,8 +26,10 @@ constexpr std::array<Vec3, 9> kTints{{{0.73f, 0.71f, 0.67f},
                                       {0.36f, 0.36f, 0.38f},
                                       {0.50f, 0.46f, 0.58f}}};
 constexpr Vec3 kFloor{0.46f, 0.35f, 0.26f};
-constexpr std::uint8_t kLargePart = 255;
+constexpr std::uint8_t kPartWithFloor = 255;
 constexpr double kLargeShare = 0.04;  // of the whole area
+constexpr double kFloorShare = 0.15;  // of a part's area
+constexpr float kLevelCosine = 0.9999f;
 
 /// Bits, so that NaN has its place in the order as well.
 auto order_of(const Vec3& v) {
@@ -37,6 +39,18 @@ auto order_of(const Vec3& v) {
 
 Vec3 doubled_area_normal(const Mesh& mesh, const Triangle& t) {
     return cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+}
+
+/// Area of a part, and how much of it is level.
+struct PartArea {
+    double all = 0.0;
+    double level = 0.0;
+};
+
+std::uint8_t tint_of(const PartArea& area, double whole, std::uint32_t part) {
+    const std::uint32_t mixed = (part * 0x9E3779B9U) >> 16U;
+    if (area.all <= kLargeShare * whole) return static_cast<std::uint8_t>(mixed % kTints.size());
+    return area.level > kFloorShare * area.all ? kPartWithFloor : 0;
 }
 
 /// Sets that are joined two by two; each is known by one of its members.
@@ -105,19 +119,21 @@ void SurfaceLook::tint() {
         parts.join(welded_[triangle[0]], welded_[triangle[1]]);
         parts.join(welded_[triangle[0]], welded_[triangle[2]]);
     }
-    std::vector<double> areas(mesh_.vertices.size());
+    std::vector<PartArea> areas(mesh_.vertices.size());
     double whole = 0.0;
     for (const Triangle& triangle : mesh_.triangles) {
-        const double area = length(doubled_area_normal(mesh_, triangle));
+        const Vec3 normal = doubled_area_normal(mesh_, triangle);
+        const double area = length(normal);
         if (!std::isfinite(area)) continue;
-        areas[parts.find(welded_[triangle[0]])] += area;
+        PartArea& part = areas[parts.find(welded_[triangle[0]])];
+        part.all += area;
+        if (std::abs(dot(normalized(normal), up_)) > kLevelCosine) part.level += area;
         whole += area;
     }
     tints_.resize(mesh_.vertices.size());
     for (std::uint32_t i = 0; i < tints_.size(); ++i) {
         const std::uint32_t part = parts.find(welded_[i]);
-        const std::uint32_t mixed = (part * 0x9E3779B9U) >> 16U;
-        tints_[i] = areas[part] > kLargeShare * whole ? kLargePart : static_cast<std::uint8_t>(mixed % kTints.size());
+        tints_[i] = tint_of(areas[part], whole, part);
     }
 }
 
@@ -133,8 +149,8 @@ Vec3 SurfaceLook::shading_normal(const Hit& hit, const Vec3& normal) const {
 
 Vec3 SurfaceLook::albedo(const Hit& hit, const Vec3& normal) const {
     const std::uint8_t tint = tints_[welded_[mesh_.triangles[hit.primitive][0]]];
-    if (tint != kLargePart) return kTints[tint];
-    return dot(normal, up_) > 0.95f ? kFloor : kTints[0];
+    if (tint != kPartWithFloor) return kTints[tint];
+    return dot(normal, up_) > kLevelCosine ? kFloor : kTints[0];
 }
 
 }  // namespace clbvh::tool
