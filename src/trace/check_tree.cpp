@@ -71,6 +71,7 @@ std::uint32_t check_tree(const Bvh& bvh, const Mesh& mesh) {
     std::vector<bool> pair_reached((bvh.nodes.size() + 1) / 2, false);
     pair_reached[0] = true;
     std::uint32_t depth = 0;
+    std::uint64_t references = 0;
     while (!stack.empty()) {
         const Visit visit = stack.back();
         stack.pop_back();
@@ -78,6 +79,9 @@ std::uint32_t check_tree(const Bvh& bvh, const Mesh& mesh) {
         const Node& node = bvh.nodes[visit.node];
         if (node.is_leaf()) {
             check_leaf(bvh, visit.node);
+            references += node.count;
+            if (references > bvh.primitive_ids.size())
+                reject("leaves share primitive ids, the last at " + name_node(visit.node));
             continue;
         }
         check_inner(bvh, visit.node, pair_reached);

@@ -14,6 +14,8 @@
 #include "core/memory_errors.hpp"
 #include "trace/check_tree.hpp"
 #include "trace/leaf_triangles.hpp"
+#include "trace/wide_tracing.hpp"
+#include "trace/wide_tree.hpp"
 
 namespace clbvh {
 namespace {
@@ -22,16 +24,6 @@ using namespace trace;
 
 /// Rays of one task of the calls for many.
 constexpr std::size_t kRaysPerTask = 256;
-
-std::vector<LeafTriangle> copy_triangles(const Bvh& bvh, const Mesh& mesh) {
-    std::vector<LeafTriangle> triangles;
-    triangles.reserve(bvh.primitive_ids.size());
-    for (const std::uint32_t primitive : bvh.primitive_ids) {
-        const Triangle& t = mesh.triangles[primitive];
-        triangles.push_back({{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, primitive});
-    }
-    return triangles;
-}
 
 int arena_size(const TracerOptions& options) {
     if (options.thread_count == 0) return tbb::task_arena::automatic;
@@ -53,7 +45,9 @@ struct Tracer::State {
           arena(arena_size(options)),
           depth(check_tree(bvh, mesh)),
           nodes(bvh.nodes),
-          triangles(copy_triangles(bvh, mesh)) {}
+          triangles(copy_triangles(bvh, mesh)),
+          wide_tree(make_wide_tree(nodes, triangles)),
+          wide(wide_tracing(best_instruction_set(), options.triangle_test)) {}
 
     /// Calls `leaf` for the leaves that the ray visits.
     template <typename Counts, typename Leaf>
@@ -109,6 +103,8 @@ struct Tracer::State {
     std::uint32_t depth;
     std::vector<Node> nodes;
     std::vector<LeafTriangle> triangles;  ///< In the order of Bvh::primitive_ids.
+    WideTree wide_tree;                   ///< What is traced where nothing is counted.
+    WideTracing wide;
 };
 
 Tracer::Tracer(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options)
@@ -118,11 +114,11 @@ Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 Tracer::~Tracer() = default;
 
 Hit Tracer::closest(const Ray& ray) const {
-    return state_->closest(ray, detail::NoRayCounts{}).first;
+    return state_->wide.closest(state_->wide_tree, ray);
 }
 
 bool Tracer::any(const Ray& ray) const {
-    return state_->any(ray, detail::NoRayCounts{}).first;
+    return state_->wide.any(state_->wide_tree, ray);
 }
 
 Hit Tracer::closest(const Ray& ray, RayCounts& counts) const {

@@ -2,7 +2,7 @@
 
 #include <array>
 #include <cmath>
-#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "clbvh/core/ray.hpp"
@@ -26,33 +26,30 @@ struct PlaneHit {
 /// an edge function is 0 after rounding, its sign is computed exactly, in place of the paper's double precision.
 class WatertightTest {
 public:
-    explicit WatertightTest(const Ray& ray) noexcept : origin_(coordinates(ray.origin)) {
-        const std::array<float, 3> d = coordinates(ray.direction);
-        z_ = 0;
-        if (std::fabs(d[1]) > std::fabs(d[z_])) z_ = 1;
-        if (std::fabs(d[2]) > std::fabs(d[z_])) z_ = 2;
-        x_ = (z_ + 1) % 3;
-        y_ = (x_ + 1) % 3;
-        if (d[z_] < 0.0f) std::swap(x_, y_);
-        shear_x_ = d[x_] / d[z_];
-        shear_y_ = d[y_] / d[z_];
-        shear_z_ = 1.0f / d[z_];
-    }
+    /// How vertices are moved and sheared: the axes that become x, y and z, and the factors of z.
+    struct Shear {
+        std::array<float, 3> origin;
+        unsigned x, y, z;
+        float factor_x, factor_y, factor_z;
+    };
 
-    /// True where the line meets the triangle; then `hit` is set. False wherever a NaN comes in.
-    [[nodiscard]] bool meets(const TriangleVertices& triangle, PlaneHit& hit) const noexcept {
-        const Sheared a = shear(triangle.v0);
-        const Sheared b = shear(triangle.v1);
-        const Sheared c = shear(triangle.v2);
+    explicit WatertightTest(const Ray& ray) noexcept : shear_(shear_of(ray)) {}
+
+    [[nodiscard]] const Shear& shear() const noexcept { return shear_; }
+
+    /// Where the line meets the triangle. Where a NaN comes in, t is NaN or there is nothing.
+    [[nodiscard]] std::optional<PlaneHit> meet(const TriangleVertices& triangle) const noexcept {
+        const Sheared a = sheared(triangle.v0);
+        const Sheared b = sheared(triangle.v1);
+        const Sheared c = sheared(triangle.v2);
         const float u = edge(c.x, b.y, c.y, b.x);
         const float v = edge(a.x, c.y, a.y, c.x);
         const float w = edge(b.x, a.y, b.y, a.x);
-        if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
+        if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return std::nullopt;
         const float determinant = (u + v) + w;
-        if (determinant == 0.0f) return false;
+        if (determinant == 0.0f) return std::nullopt;
         const float scaled_t = ((u * a.z) + (v * b.z)) + (w * c.z);
-        hit = {scaled_t / determinant, v / determinant, w / determinant};
-        return true;
+        return PlaneHit{scaled_t / determinant, v / determinant, w / determinant};
     }
 
 private:
@@ -62,10 +59,22 @@ private:
 
     static std::array<float, 3> coordinates(const Vec3& v) noexcept { return {v.x, v.y, v.z}; }
 
-    [[nodiscard]] Sheared shear(const Vec3& vertex) const noexcept {
+    static Shear shear_of(const Ray& ray) noexcept {
+        const std::array<float, 3> d = coordinates(ray.direction);
+        unsigned z = 0;
+        if (std::fabs(d[1]) > std::fabs(d[z])) z = 1;
+        if (std::fabs(d[2]) > std::fabs(d[z])) z = 2;
+        unsigned x = (z + 1) % 3;
+        unsigned y = (x + 1) % 3;
+        if (d[z] < 0.0f) std::swap(x, y);
+        return {coordinates(ray.origin), x, y, z, d[x] / d[z], d[y] / d[z], 1.0f / d[z]};
+    }
+
+    [[nodiscard]] Sheared sheared(const Vec3& vertex) const noexcept {
+        const Shear& s = shear_;
         const std::array<float, 3> p = coordinates(vertex);
-        const float z = p[z_] - origin_[z_];
-        return {(p[x_] - origin_[x_]) - shear_x_ * z, (p[y_] - origin_[y_]) - shear_y_ * z, shear_z_ * z};
+        const float z = p[s.z] - s.origin[s.z];
+        return {(p[s.x] - s.origin[s.x]) - s.factor_x * z, (p[s.y] - s.origin[s.y]) - s.factor_y * z, s.factor_z * z};
     }
 
     /// a * b - c * d. A difference of 0 means equal products: what is left are their rounding errors.
@@ -76,9 +85,7 @@ private:
         return std::fma(a, b, -ab) - std::fma(c, d, -cd);
     }
 
-    std::array<float, 3> origin_;
-    unsigned x_, y_, z_;
-    float shear_x_, shear_y_, shear_z_;
+    Shear shear_;
 };
 
 /// Moeller, Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection", of both sides.
@@ -86,18 +93,19 @@ class MollerTrumboreTest {
 public:
     explicit MollerTrumboreTest(const Ray& ray) noexcept : origin_(ray.origin), direction_(ray.direction) {}
 
-    /// True where the line meets the triangle; then `hit` is set. False wherever a NaN comes in.
-    [[nodiscard]] bool meets(const TriangleVertices& triangle, PlaneHit& hit) const noexcept {
+    /// Where the line meets the triangle. Where a NaN comes in, t is NaN or there is nothing.
+    [[nodiscard]] std::optional<PlaneHit> meet(const TriangleVertices& triangle) const noexcept {
         const Vec3 edge1 = difference(triangle.v1, triangle.v0);
         const Vec3 edge2 = difference(triangle.v2, triangle.v0);
         const Vec3 p = cross(direction_, edge2);
         const float determinant = dot(edge1, p);
-        if (determinant == 0.0f) return false;
+        if (determinant == 0.0f) return std::nullopt;
         const float inverse = 1.0f / determinant;
         const Vec3 s = difference(origin_, triangle.v0);
         const Vec3 q = cross(s, edge1);
-        hit = {dot(edge2, q) * inverse, dot(s, p) * inverse, dot(direction_, q) * inverse};
-        return hit.u >= 0.0f && hit.v >= 0.0f && hit.u + hit.v <= 1.0f;
+        const PlaneHit hit{dot(edge2, q) * inverse, dot(s, p) * inverse, dot(direction_, q) * inverse};
+        if (!(hit.u >= 0.0f && hit.v >= 0.0f && hit.u + hit.v <= 1.0f)) return std::nullopt;
+        return hit;
     }
 
 private:

@@ -20,8 +20,11 @@ struct TracerOptions {
 /// Traces rays on the host through a tree over a triangle mesh. Keeps a copy of all it needs: tree and mesh may go.
 /// Any number of threads may use it at a time.
 ///
-/// The closest hit is the one with the smallest t, and among equal ones the smallest primitive, so that it does not
-/// depend on the tree. Triangles have no back: both sides are hit.
+/// The closest hit is the one with the smallest t, and among equal ones the smallest primitive. What rounding puts
+/// before a triangle's own box counts from where the ray enters that box, and a ray that misses the box misses the
+/// triangle: so the closest hit is the same bits with every tree, as long as its boxes contain whole triangles (with
+/// split ones, hits whose t is rounded by more than 2^-18 may go another way). Triangles have no back: both sides are
+/// hit. Where coordinates relative to the ray's origin exceed about 1e12, products overflow and triangles are missed.
 class Tracer {
 public:
     /// Throws Error(invalid_input) where the tree is none over the mesh: nodes, ids or indices out of range, or loops.

@@ -8,7 +8,7 @@
 
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/ray.hpp"
-#include "clbvh/trace/child_boxes.hpp"
+#include "clbvh/trace/box_tests.hpp"
 #include "clbvh/trace/node_stack.hpp"
 
 namespace clbvh {
@@ -57,9 +57,10 @@ const Node* next_node(Stack& stack, float t_max) noexcept {
 template <typename Stack, typename Counts, LeafVisitor Leaf>
 void traverse(const Node* nodes, const Ray& ray, Leaf& leaf, Counts counts, Stack& stack) {
     if (!is_traceable(ray)) return;
-    const RayBoxTest box_test(ray);
+    const RaySlabs slabs(ray);
     float t_max = ray.t_max;
-    if (!box_test.hits(nodes[0], t_max)) return;
+    if (!slabs.meets(nodes[0].bounds(), t_max)) return;
+    const ChildBoxTest test_boxes(slabs);
     const Node* node = &nodes[0];
     for (;;) {
         if (node->is_leaf()) {
@@ -68,15 +69,15 @@ void traverse(const Node* nodes, const Ray& ray, Leaf& leaf, Counts counts, Stac
         } else {
             counts.add_inner_node();
             const Node* const children = &nodes[node->first];
-            const ChildEntries entries = box_test.enter(children, t_max);
-            if (entries.hit[0] && entries.hit[1]) {
+            const ChildEntries entries = test_boxes(children, t_max);
+            if (entries.is_met[0] && entries.is_met[1]) {
                 const unsigned near = entries.t[1] < entries.t[0] ? 1 : 0;
                 stack.push({&children[1 - near], entries.t[1 - near]});
                 node = &children[near];
                 continue;
             }
-            if (entries.hit[0] || entries.hit[1]) {
-                node = &children[entries.hit[0] ? 0 : 1];
+            if (entries.is_met[0] || entries.is_met[1]) {
+                node = &children[entries.is_met[0] ? 0 : 1];
                 continue;
             }
         }
