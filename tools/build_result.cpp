@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <clbvh/core/validate.hpp>
 #include <clbvh/metrics/sah.hpp>
+#include <clbvh/metrics/tree_shape.hpp>
 #include <cstddef>
 #include <limits>
 
 #include "exit_code.hpp"
-#include "tree_extent.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -92,11 +92,11 @@ void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool v
     // A broken tree may have cycles: no cost of it is defined.
     result.sah = std::numeric_limits<double>::quiet_NaN();
     if (!result.valid.value_or(true)) return;
-    const TreeExtent extent = measure_extent(bvh);
-    result.depth = extent.depth;
-    result.nodes = extent.nodes;
-    result.leaves = extent.leaves;
-    result.references = extent.references;
+    const TreeShape shape = tree_shape(bvh);
+    result.depth = shape.depth();
+    result.nodes = shape.nodes;
+    result.leaves = shape.leaves;
+    result.references = shape.references;
     result.sah = sah_cost(bvh);
 }
 

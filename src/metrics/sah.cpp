@@ -4,32 +4,22 @@
 #include <vector>
 
 #include "metrics/check_costs.hpp"
+#include "metrics/node_area.hpp"
 #include "metrics/node_cost.hpp"
 
 namespace clbvh {
-namespace {
-
-/// Half the surface area in double precision; only ratios of areas matter.
-double area(const Node& node) {
-    const double x = double{node.upper[0]} - double{node.lower[0]};
-    const double y = double{node.upper[1]} - double{node.lower[1]};
-    const double z = double{node.upper[2]} - double{node.lower[2]};
-    return x * y + y * z + z * x;
-}
-
-}  // namespace
 
 double sah_cost(const Bvh& bvh, const SahCosts& costs) {
     check_costs(costs);
     if (bvh.empty()) return 0.0;
 
-    const double root_area = area(bvh.nodes[0]);
+    const double root_area = node_area(bvh.nodes[0]);
     double total = 0.0;
     std::vector<std::uint32_t> stack{0};
     while (!stack.empty()) {
         const Node& node = bvh.nodes[stack.back()];
         stack.pop_back();
-        const double hit_probability = root_area > 0.0 ? area(node) / root_area : 1.0;
+        const double hit_probability = root_area > 0.0 ? node_area(node) / root_area : 1.0;
         total += hit_probability * node_cost(node, costs);
         if (node.is_leaf()) continue;
         stack.push_back(node.first + 1);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 #include <result_json.hpp>
-#include <tree_extent.hpp>
 #include <vector>
 
 using namespace clbvh;
@@ -57,16 +56,6 @@ TEST_CASE("a tree that is not valid has no cost, and its own exit code") {
     CHECK(json[0]["valid"] == true);
     CHECK(json[1]["valid"] == false);
     CHECK(nlohmann::ordered_json::parse(json.dump())[1]["sah"].is_null());
-}
-
-TEST_CASE("counting ends though the nodes are no tree") {
-    Bvh cycle = tree_of_two();
-    cycle.nodes[2] = {{0, 0, 0}, 0, {1, 1, 0}, 0};
-    CHECK_THROWS_AS(measure_extent(cycle), Error);
-    Bvh out_of_range = tree_of_two();
-    out_of_range.nodes[0].first = 4;
-    CHECK_THROWS_AS(measure_extent(out_of_range), Error);
-    CHECK(measure_extent(Bvh{}).nodes == 0);
 }
 
 TEST_CASE("threads are counted in words, and no more of them than may run") {

@@ -5,10 +5,10 @@
 #include <clbvh/core/validate.hpp>
 #include <clbvh/io/scene.hpp>
 #include <clbvh/metrics/sah.hpp>
+#include <clbvh/metrics/tree_shape.hpp>
 #include <embree_error.hpp>
 #include <embree_peer.hpp>
 #include <limits>
-#include <tree_extent.hpp>
 
 using namespace clbvh;
 using namespace clbvh::tool;
@@ -85,7 +85,7 @@ TEST_CASE("Embree's trees are worth what such trees are worth") {
     CHECK(binned == Approx(sah_cost(build(mesh, "binned-sah"))).epsilon(0.05));
     CHECK(morton > binned);
     CHECK(sbvh < binned);
-    CHECK(measure_extent(trees[0]).leaves == 20000);
+    CHECK(tree_shape(trees[0]).leaves == 20000);
     CHECK(trees[2].primitive_ids.size() > 20000);
     CHECK(trees[2].primitive_ids.size() <= 30000);
 }

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "clbvh/builder.hpp"
-#include "clbvh/host/presplit.hpp"
 #include "clbvh/io/scene.hpp"
 #include "support/expect_error.hpp"
 #include "support/ray_oracle.hpp"
@@ -58,6 +57,17 @@ std::vector<Hit> closest_without_tree(const Mesh& mesh, std::span<const Ray> ray
     return hits;
 }
 
+/// At most `most` of them.
+std::vector<Hit> all_hits(const Tracer& tracer, const Ray& ray,
+                          std::size_t most = std::numeric_limits<std::size_t>::max()) {
+    std::vector<Hit> hits;
+    tracer.all(ray, [&](const Hit& hit) {
+        hits.push_back(hit);
+        return hits.size() < most;
+    });
+    return hits;
+}
+
 }  // namespace
 
 TEST_CASE("the closest hit does not depend on the tree, and any() tells whether there is one") {
@@ -73,4 +83,125 @@ TEST_CASE("the closest hit does not depend on the tree, and any() tells whether 
             }
         }
     }
+}
+
+TEST_CASE("all hits come in order, each primitive once, and as often as the caller wants") {
+    for (const char* scene : {"soup", "hair", "city", "terrain"}) {
+        const Mesh mesh = generate_scene(scene, 400);
+        const std::vector<Ray> rays = difficult_rays(mesh, 40);
+        for (const Tree& tree : host_trees(mesh)) {
+            INFO(scene << ", " << tree.name);
+            const Tracer tracer(tree.bvh, mesh);
+            std::size_t differences = 0;
+            for (const Ray& ray : rays) {
+                const std::vector<Hit> expected = brute_force_all(mesh, ray);
+                if (!std::ranges::equal(all_hits(tracer, ray), expected, same_bits)) ++differences;
+                if (!expected.empty() && all_hits(tracer, ray, 1).size() != 1) ++differences;
+            }
+            CHECK(differences == 0);
+        }
+    }
+}
+
+TEST_CASE("rays that hit nothing by definition cost nothing") {
+    const Mesh mesh = generate_scene("soup", 2000);
+    const Tracer tracer(build(mesh, "binned-sah"), mesh);
+    for (const Ray& ray : untraceable_rays()) {
+        INFO(ray.origin.x << ' ' << ray.direction.x << ' ' << ray.t_min << ' ' << ray.t_max);
+        RayCounts counts;
+        CHECK(same_bits(tracer.closest(ray), Hit{}));
+        CHECK_FALSE(tracer.any(ray));
+        CHECK(same_bits(tracer.closest(ray, counts), Hit{}));
+        CHECK_FALSE(tracer.any(ray, counts));
+        CHECK(counts == RayCounts{});
+        CHECK(tracer.visits(ray) == RayCounts{});
+        CHECK(all_hits(tracer, ray).empty());
+    }
+}
+
+TEST_CASE("a t_min below 0 counts as 0, and both ends of a ray belong to it") {
+    const Mesh mesh{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}};
+    const Tracer tracer(build(mesh, "median"), mesh);
+    CHECK(tracer.closest({{1, 1, -2}, -8.0f, {0, 0, 1}, 2.0f}).t == 2.0f);
+    CHECK(tracer.closest({{1, 1, -2}, 2.0f, {0, 0, 1}, 2.0f}).t == 2.0f);
+    CHECK(tracer.closest({{1, 1, 0}, -8.0f, {0, 0, 1}, 0.0f}).t == 0.0f);
+    CHECK_FALSE(tracer.any({{1, 1, 1}, -8.0f, {0, 0, 1}, 2.0f}));
+    CHECK_FALSE(tracer.any({{1, 1, -2}, 0.0f, {0, 0, 1}, 1.9999999f}));
+    CHECK_FALSE(tracer.any({{1, 1, -2}, 2.0000003f, {0, 0, 1}, 3.0f}));
+    CHECK(tracer.closest({{1, 0.5f, -2}, 0.0f, {0, 0, 4}}) == Hit{0.5f, 0.25f, 0.125f, 0});
+}
+
+TEST_CASE("an empty tree is missed") {
+    const Mesh mesh;
+    const Tracer tracer(build(mesh, "median"), mesh);
+    const Ray ray{{0, 0, 0}, 0.0f, {0, 0, 1}};
+    CHECK_FALSE(tracer.closest(ray));
+    CHECK_FALSE(tracer.any(ray));
+    CHECK(tracer.visits(ray) == RayCounts{});
+    CHECK(tracer.depth() == 0);
+    CHECK(all_hits(tracer, ray).empty());
+}
+
+TEST_CASE("primitives with a NaN are never hit, even where a tree names them") {
+    Mesh mesh = generate_scene("soup", 500);
+    const Bvh bvh = build(mesh, "binned-sah");
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+        Vec3& vertex = mesh.vertices[mesh.triangles[i][i % 3 == 0 ? 1 : 2]];
+        (i % 2 == 0 ? vertex.x : vertex.z) = std::numeric_limits<float>::quiet_NaN();
+    }
+    const std::vector<Ray> rays = difficult_rays(mesh, 100);
+    for (const TriangleTest test : {TriangleTest::watertight, TriangleTest::moller_trumbore}) {
+        const Tracer tracer(bvh, mesh, {test});
+        std::size_t wrong = 0;
+        for (const Ray& ray : rays) {
+            for (const Hit& hit : all_hits(tracer, ray))
+                wrong += is_inactive(mesh, hit.primitive) ? 1 : 0;
+            const Hit closest = tracer.closest(ray);
+            if (closest && is_inactive(mesh, closest.primitive)) ++wrong;
+        }
+        CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("many rays at a time are traced as one by one, on any number of threads") {
+    const Mesh mesh = generate_scene("clustered", 3000);
+    const Bvh bvh = build(mesh, "binned-sah");
+    const std::vector<Ray> rays = difficult_rays(mesh, 300);
+    for (const std::uint32_t threads : {0u, 1u, 2u, 7u}) {
+        const Tracer tracer(bvh, mesh, {TriangleTest::watertight, threads});
+        std::vector<Hit> hits(rays.size()), counted_hits(rays.size());
+        std::vector<std::uint8_t> any(rays.size(), 9), counted_any(rays.size(), 9);
+        std::vector<RayCounts> closest_counts(rays.size(), {9, 9, 9, 9}), any_counts(rays.size()), visits(rays.size());
+        tracer.closest(rays, hits);
+        tracer.closest(rays, counted_hits, closest_counts);
+        tracer.any(rays, any);
+        tracer.any(rays, counted_any, any_counts);
+        tracer.visits(rays, visits);
+        std::size_t differences = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            RayCounts closest_count, any_count;
+            const Hit hit = tracer.closest(rays[i], closest_count);
+            const bool is_hit = tracer.any(rays[i], any_count);
+            const bool agrees = same_bits(hits[i], hit) && same_bits(counted_hits[i], hit) && any[i] == is_hit &&
+                                counted_any[i] == is_hit && closest_counts[i] == closest_count &&
+                                any_counts[i] == any_count && visits[i] == tracer.visits(rays[i]);
+            if (!agrees) ++differences;
+        }
+        CHECK(differences == 0);
+    }
+}
+
+TEST_CASE("spans of another length are refused") {
+    const Mesh mesh = generate_scene("soup", 10);
+    const Tracer tracer(build(mesh, "median"), mesh);
+    const std::vector<Ray> rays(3);
+    std::vector<Hit> hits(2);
+    std::vector<std::uint8_t> any(4);
+    std::vector<RayCounts> counts(2);
+    expect_error(ErrorCode::invalid_input, {"hits", "2", "3"}, [&] { tracer.closest(rays, hits); });
+    expect_error(ErrorCode::invalid_input, {"is_hit", "4", "3"}, [&] { tracer.any(rays, any); });
+    expect_error(ErrorCode::invalid_input, {"counts", "2", "3"}, [&] { tracer.visits(rays, counts); });
+    expect_error(ErrorCode::invalid_input, {"thread_count", "1025"}, [&] {
+        Tracer(build(mesh, "median"), mesh, {TriangleTest::watertight, 1025});
+    });
 }

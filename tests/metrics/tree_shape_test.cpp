@@ -1,0 +1,100 @@
+#include "clbvh/metrics/tree_shape.hpp"
+
+#include <catch2/catch.hpp>
+#include <numeric>
+
+#include "clbvh/builder.hpp"
+#include "clbvh/core/validate.hpp"
+#include "clbvh/io/scene.hpp"
+#include "support/expect_error.hpp"
+
+using namespace clbvh;
+using namespace clbvh::test;
+
+namespace {
+
+using Counts = std::vector<std::uint64_t>;
+
+/// A box of 4 x 1 x 1, half its area 9, over [0, 3] and [2, 4], which share 1 x 1 x 1 (3). The first is [0, 1.5] and
+/// [1.5, 3], which share a face of 1.
+Bvh hand_made_tree() {
+    Bvh bvh;
+    bvh.nodes = {{{0, 0, 0}, 2, {4, 1, 1}, 0},   {},
+                 {{0, 0, 0}, 4, {3, 1, 1}, 0},   {{2, 0, 0}, 0, {4, 1, 1}, 3},
+                 {{0, 0, 0}, 3, {1.5, 1, 1}, 1}, {{1.5, 0, 0}, 4, {3, 1, 1}, 1}};
+    bvh.primitive_ids = {0, 1, 2, 3, 4};
+    bvh.primitive_count = 5;
+    return bvh;
+}
+
+}  // namespace
+
+TEST_CASE("the shape of a tree made by hand") {
+    const TreeShape shape = tree_shape(hand_made_tree());
+    CHECK(shape.nodes == 5);
+    CHECK(shape.leaves == 3);
+    CHECK(shape.references == 5);
+    CHECK(shape.leaves_by_depth == Counts{0, 1, 2});
+    CHECK(shape.leaves_by_size == Counts{0, 2, 0, 1});
+    CHECK(shape.depth() == 2);
+    CHECK(shape.mean_leaf_depth() == Approx(5.0 / 3));
+    CHECK(shape.sibling_overlap == Approx((3.0 + 1.0) / 9.0).epsilon(1e-14));
+
+    Bvh apart = hand_made_tree();
+    apart.nodes[3].lower[0] = 3.5f;
+    apart.nodes[5].lower[0] = 2.0f;
+    CHECK(tree_shape(apart).sibling_overlap == 0.0);
+    for (Node& node : apart.nodes)
+        node = {{}, node.first, {}, node.count};
+    CHECK(tree_shape(apart).sibling_overlap == 0.0);
+}
+
+TEST_CASE("the empty tree and the single leaf have a shape too") {
+    const TreeShape none = tree_shape({});
+    CHECK(none.nodes == 0);
+    CHECK(none.depth() == 0);
+    CHECK(none.mean_leaf_depth() == 0.0);
+    CHECK(none.leaves_by_depth.empty());
+    Bvh single;
+    single.nodes = {{{0, 0, 0}, 0, {1, 1, 1}, 2}, {}};
+    single.primitive_ids = {0, 1};
+    const TreeShape one = tree_shape(single);
+    CHECK(one.nodes == 1);
+    CHECK(one.depth() == 0);
+    CHECK(one.leaves_by_depth == Counts{1});
+    CHECK(one.leaves_by_size == Counts{0, 0, 1});
+    CHECK(one.sibling_overlap == 0.0);
+}
+
+TEST_CASE("a tree's shape agrees with validation, and histograms with their totals") {
+    const Mesh mesh = generate_scene("clustered", 5000);
+    for (const char* id : {"median", "sbvh", "locally-ordered", "aac-hq"}) {
+        const Bvh bvh = Builder(id).build(mesh);
+        const TreeShape shape = tree_shape(bvh);
+        const ValidationReport report = validate(bvh, mesh);
+        CHECK(shape.nodes == report.nodes);
+        CHECK(shape.leaves == report.leaves);
+        CHECK(shape.depth() == report.depth);
+        const auto total = [](const Counts& counts) { return std::accumulate(counts.begin(), counts.end(), 0ULL); };
+        CHECK(total(shape.leaves_by_depth) == shape.leaves);
+        CHECK(total(shape.leaves_by_size) == shape.leaves);
+        std::uint64_t references = 0;
+        for (std::size_t size = 0; size < shape.leaves_by_size.size(); ++size)
+            references += size * shape.leaves_by_size[size];
+        CHECK(references == shape.references);
+        CHECK(references == bvh.primitive_ids.size());
+        CHECK(shape.sibling_overlap > 0.0);
+    }
+}
+
+TEST_CASE("describing a tree ends though the nodes are none") {
+    const auto refused = [](const std::string& part, const auto& spoil) {
+        Bvh bvh = hand_made_tree();
+        spoil(bvh);
+        expect_error(ErrorCode::invalid_input, {part}, [&] { (void)tree_shape(bvh); });
+    };
+    refused("more nodes", [](Bvh& bvh) { bvh.nodes[4] = {{}, 0, {}, 0}; });
+    refused("node 0: its children are out of range", [](Bvh& bvh) { bvh.nodes[0].first = 6; });
+    refused("node 2: its children are out of range", [](Bvh& bvh) { bvh.nodes[2].first = 0xFFFFFFFEU; });
+    refused("node 3: it has more primitives", [](Bvh& bvh) { bvh.nodes[3].count = 0xFFFFFFFFU; });
+}
