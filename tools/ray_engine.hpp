@@ -3,6 +3,7 @@
 #include <clbvh/core/bvh.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/core/ray.hpp>
+#include <clbvh/device/context.hpp>
 #include <clbvh/trace/camera.hpp>
 #include <clbvh/trace/tracer.hpp>
 #include <cstdint>
@@ -30,6 +31,10 @@ public:
 /// On the host, over a copy of what it needs.
 [[nodiscard]] std::unique_ptr<RayEngine> make_host_engine(const Bvh& bvh, const Mesh& mesh,
                                                           const TracerOptions& options);
+
+/// On the device of `context`, over a copy in its memory.
+[[nodiscard]] std::unique_ptr<RayEngine> make_device_engine(const Context& context, const Bvh& bvh, const Mesh& mesh,
+                                                            TriangleTest triangle_test);
 
 /// Asks `engine`, which has to outlive the result.
 [[nodiscard]] ClosestHits closest_hits_of(RayEngine& engine);
