@@ -1,6 +1,7 @@
 #include "build_arguments.hpp"
 
 #include <clbvh/core/error.hpp>
+#include <clbvh/optimizers.hpp>
 #include <initializer_list>
 #include <optional>
 #include <string_view>
@@ -69,9 +70,20 @@ void BuildArguments::check() const {
         }
     }
     check_options(options);
+    try {
+        check_optimizers(options.optimizers);
+    } catch (const Error& error) {
+        throw Error(error.code(), std::string("--optimize: ") + error.what());
+    }
 }
 
 void BuildArguments::add_tree_options(CLI::App& command) {
+    command
+        .add_option("--optimize", options.optimizers,
+                    "Improve finished trees: optimizers with commas between them, run in this order, before leaves are "
+                    "merged; see clbvh builders")
+        ->group(kTree)
+        ->type_name("A,B,C");
     add_number(
         command, "--max-leaf", &BuildOptions::max_leaf_size,
         "Largest leaf, 1 to 64: the builder's own where it makes leaves itself (binned-sah, sweep-sah, sbvh, aac, "

@@ -142,8 +142,9 @@ private:
     }
 
     [[nodiscard]] std::string peers_note() const {
-        const bool is_unequal = arguments_.peers && arguments_.build.options.presplit_level > 0;
-        return is_unequal ? "Embree's builders ran without presplitting\n" : "";
+        const BuildOptions& options = arguments_.build.options;
+        const bool is_unequal = options.presplit_level > 0 || !options.optimizers.empty();
+        return arguments_.peers && is_unequal ? "Embree's builders ran without presplitting and optimizers\n" : "";
     }
 
     const Arguments& arguments_;

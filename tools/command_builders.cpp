@@ -2,6 +2,7 @@
 
 #include <clbvh/core/error.hpp>
 #include <clbvh/device/device.hpp>
+#include <clbvh/optimizers.hpp>
 #include <clbvh/registry.hpp>
 #include <memory>
 #include <string>
@@ -48,18 +49,25 @@ int list(const JsonOutput& json) {
                            {"available", reason.empty()}});
         if (!reason.empty()) entries.back()["reason"] = reason;
     }
+    Table optimizer_table({"optimizer", "paper", "title"}, Table::Align::left);
+    nlohmann::ordered_json optimizer_entries = nlohmann::ordered_json::array();
+    for (const OptimizerInfo& optimizer : optimizers()) {
+        optimizer_table.add_row(
+            {std::string(optimizer.id), std::string(optimizer.paper), std::string(optimizer.title)});
+        optimizer_entries.push_back({{"id", optimizer.id}, {"title", optimizer.title}, {"paper", optimizer.paper}});
+    }
     if (json.leaves_standard_output()) {
-        fmt::print("{}", table.text());
+        fmt::print("{}\n{}", table.text(), optimizer_table.text());
         if (!missing.empty()) fmt::print("\nWhat runs on a device is not available: {}\n", missing);
     }
-    json.write({{"builders", entries}});
+    json.write({{"builders", entries}, {"optimizers", optimizer_entries}});
     return kExitSuccess;
 }
 
 }  // namespace
 
 Command add_builders_command(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("builders", "List the builders");
+    CLI::App* command = app.add_subcommand("builders", "List the builders, and what improves their trees");
     auto json = std::make_shared<JsonOutput>();
     json->add_option(*command);
     return {command, [json] { return list(*json); }};

@@ -27,7 +27,7 @@ TEST_CASE("references of all and of some triangles") {
             std::vector<Reference> references(active.size());
             const host::Bounds bounds = host::bound_primitives(mesh, references, scratch);
             const auto same = [](const Box4& box, const Aabb& expected) {
-                return host::make_node(box, 0, 0).bounds() == expected;
+                return make_node(box, 0, 0).bounds() == expected;
             };
             Aabb box, centroids;
             for (const std::uint32_t i : active) {

@@ -142,6 +142,20 @@ TEST_CASE("build obeys the options for trees of all builders") {
     }
 }
 
+TEST_CASE("build improves trees by what --optimize names, and names what it does not know") {
+    for (const std::string builder : {"lbvh", "sweep-sah"}) {
+        const Words plain{"gen:clustered:5000", "--builder", builder, "--max-leaf", "4"};
+        Words better = plain;
+        better.insert(better.end(), {"--optimize", "treelet,reinsert", "--validate"});
+        const ordered_json result = result_of(better);
+        CHECK(result["valid"] == true);
+        CHECK(result["sah"].get<double>() < 0.97 * result_of(plain)["sah"].get<double>());
+    }
+    const Outcome outcome = run_tool({"build", "gen:soup:100", "--optimize", "rotate,none"});
+    CHECK(outcome.exit_code == 1);
+    CHECK_THAT(outcome.err, Contains("--optimize: unknown optimizer 'none'"));
+}
+
 TEST_CASE("build obeys the options of spatial splits") {
     const auto references = [](const Words& options) {
         Words words{"gen:hair:3000", "--builder", "sbvh"};

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <clbvh/device/device.hpp>
 #include <clbvh/io/scene.hpp>
+#include <clbvh/optimizers.hpp>
 #include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -40,6 +41,19 @@ TEST_CASE("builders lists the table of builders") {
         CHECK(list[i]["uses_search_radius"] == builder.uses_search_radius);
         CHECK(list[i]["available"] == true);
         CHECK_THAT(table.out, Contains(std::string(builder.id)) && Contains(std::string(builder.title)));
+    }
+}
+
+TEST_CASE("builders lists the table of optimizers too") {
+    const ordered_json list = json_of("builders")["optimizers"];
+    const Outcome table = run_tool({"builders"});
+    REQUIRE(list.size() == optimizers().size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        CHECK(list[i]["id"] == optimizers()[i].id);
+        CHECK(list[i]["title"] == optimizers()[i].title);
+        CHECK(list[i]["paper"] == optimizers()[i].paper);
+        CHECK_THAT(table.out,
+                   Contains(std::string(optimizers()[i].id)) && Contains(std::string(optimizers()[i].title)));
     }
 }
 

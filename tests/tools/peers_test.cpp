@@ -79,7 +79,7 @@ TEST_CASE("bench says beneath its table that peers know no presplitting") {
         return;
     }
     std::vector<std::string> words{"bench", "gen:soup:100", "--builders", "median", "--peers", "--runs", "1"};
-    const std::string note = "Embree's builders ran without presplitting\n";
+    const std::string note = "Embree's builders ran without presplitting and optimizers\n";
     CHECK_THAT(run_tool(words, kNoDriver).out, !Contains(note));
     words.emplace_back("--presplit");
     CHECK_THAT(run_tool(words, kNoDriver).out, Contains(note));
