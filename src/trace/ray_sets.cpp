@@ -140,17 +140,20 @@ std::vector<Ray> rays_from(RayKind kind, const Mesh& mesh, const ClosestHits& tr
     return ambient_occlusion_rays(mesh, trace, primary, kAmbientRaysPerPoint, length, seed);
 }
 
-/// How many rays come of one of the camera's is seen in a small picture first.
+/// How many rays come of one of the camera's is seen in a small picture first, or in larger ones where the small one
+/// shows nothing.
 std::vector<Ray> rays_beyond_primary(RayKind kind, const Mesh& mesh, const ClosestHits& trace, const Camera& camera,
                                      const RaySetOptions& options) {
-    constexpr double pilot_cells = 1024.0;
-    const std::vector<Ray> pilot = primary_grid(camera, pilot_cells, options.seed);
-    const std::size_t found = rays_from(kind, mesh, trace, camera, pilot, options.seed).size();
-    if (found == 0) return {};
-    const double rays_per_cell = static_cast<double>(found) / static_cast<double>(pilot.size());
-    const std::vector<Ray> primary =
-        primary_grid(camera, static_cast<double>(options.count) / rays_per_cell, options.seed);
-    return rays_from(kind, mesh, trace, camera, primary, options.seed);
+    for (const double pilot_cells : {1024.0, 32768.0, 1048576.0}) {
+        const std::vector<Ray> pilot = primary_grid(camera, pilot_cells, options.seed);
+        const std::size_t found = rays_from(kind, mesh, trace, camera, pilot, options.seed).size();
+        if (found == 0) continue;
+        const double rays_per_cell = static_cast<double>(found) / static_cast<double>(pilot.size());
+        const std::vector<Ray> primary =
+            primary_grid(camera, static_cast<double>(options.count) / rays_per_cell, options.seed);
+        return rays_from(kind, mesh, trace, camera, primary, options.seed);
+    }
+    return {};
 }
 
 }  // namespace
