@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "colour_map.hpp"
@@ -63,8 +64,9 @@ Image decode(const std::string& png) {
 /// Runs `render` to a file of a folder of its own, and returns the file's content.
 std::string png_of(const Words& arguments) {
     const ScratchFolder folder;
-    Words words{"render", "--width", "48", "--height", "30", "--spp", "2", "-o", folder.path("picture.png")};
+    Words words{"render", "--width", "48", "--height", "30", "-o", folder.path("picture.png")};
     words.insert(words.end(), arguments.begin(), arguments.end());
+    if (std::ranges::find(arguments, "--spp") == arguments.end()) words.insert(words.end(), {"--spp", "2"});
     const Outcome outcome = run_tool(words);
     INFO(outcome.err);
     REQUIRE(outcome.exit_code == 0);
@@ -165,12 +167,56 @@ TEST_CASE("heat maps have their scale at the lower edge") {
     for (std::uint32_t x = 20; x + 20 < width; ++x)
         changes += close(picture.at(x, height - 6), picture.at(x + 1, height - 6)) ? 0U : 1U;
     CHECK(changes > 200);
-    // Without a given end, it is what 99 % do not exceed.
-    std::vector<float> few_hot(width * height, 8.0f);
-    few_hot[7] = 1000.0f;
-    Picture fitted = heat_map(few_hot, width, height, 0.0f);
-    CHECK(close(fitted.at(0, 1), heat_colour(1.0f)));
-    CHECK(decode(png_bytes(heat_map({1.0f}, 1, 1, 0.0f))).width == 1);
+    CHECK(decode(png_bytes(heat_map({1.0f}, 1, 1, 1.0f))).width == 1);
+}
+
+TEST_CASE("a few hot pixels do not spoil a heat map's scale") {
+    std::vector<float> values(1000, 7.5f);
+    values[7] = 1000.0f;
+    CHECK(fitting_scale_end(values) == 8.0f);
+    CHECK(fitting_scale_end({0.1f}) == 1.0f);
+    CHECK(fitting_scale_end({}) == 1.0f);
+}
+
+TEST_CASE("heat maps of several builders stand side by side, to the same scale") {
+    const Words both{"gen:city:2000", "--mode", "heat-leaves", "--heat-max", "20", "--builder"};
+    const auto image_of = [&](const std::string& builders) {
+        const ScratchFolder folder;
+        Words words{"render", "--width", "48", "--height", "30", "-o", folder.path("picture.png")};
+        words.insert(words.end(), both.begin(), both.end());
+        words.push_back(builders);
+        REQUIRE(run_tool(words).exit_code == 0);
+        return decode(read_text(folder.path("picture.png")));
+    };
+    const Image pair = image_of("median,binned-sah");
+    const Image left = image_of("median");
+    const Image right = image_of("binned-sah");
+    REQUIRE(pair.width == 48 + 4 + 48);
+    for (int x = 0; x < 48; ++x) {
+        CHECK(pair.at(x, 15) == left.at(x, 15));
+        CHECK(pair.at(52 + x, 15) == right.at(x, 15));
+    }
+    expect_failure({"gen:soup:10", "-o", "none.png", "--builder", "median,sbvh"}, {"--builder", "path"});
+}
+
+TEST_CASE("less noise is left where it is smoothed, and the picture is as bright") {
+    const auto roughness_and_mean = [](const std::string& png) {
+        const Image image = decode(png);
+        double rough = 0.0;
+        double sum = 0.0;
+        for (int y = 0; y < image.height; ++y) {
+            for (int x = 1; x < image.width; ++x) {
+                rough += std::abs(image.at(x, y)[1] - image.at(x - 1, y)[1]);
+                sum += image.at(x, y)[1];
+            }
+        }
+        return std::pair(rough, sum);
+    };
+    const Words words{"gen:terrain:2000", "--spp", "4"};
+    const auto [rough, mean] = roughness_and_mean(png_of({"gen:terrain:2000", "--spp", "4", "--no-denoise"}));
+    const auto [smooth, same_mean] = roughness_and_mean(png_of(words));
+    CHECK(smooth < 0.8 * rough);
+    CHECK(same_mean == Approx(mean).epsilon(0.02));
 }
 
 TEST_CASE("colours of heat become lighter all the way") {
