@@ -1,8 +1,10 @@
 // Rays on the device: the host tracer's hits and counts, bit for bit, whatever the tree and wherever its memory is.
 #include "clbvh/device/device_tracer.hpp"
 
+#include <array>
+#include <bit>
 #include <catch2/catch.hpp>
-#include <cstring>
+#include <cstddef>
 #include <limits>
 
 #include "clbvh/io/scene.hpp"
@@ -60,8 +62,9 @@ Found found_by_host(const Bvh& bvh, const Mesh& mesh, TriangleTest test, std::sp
 template <typename T>
 std::size_t count_differences(const std::vector<T>& a, const std::vector<T>& b) {
     std::size_t differences = a.size() == b.size() ? 0 : 1;
+    const auto bits = [](const T& value) { return std::bit_cast<std::array<std::byte, sizeof(T)>>(value); };
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-        differences += std::memcmp(&a[i], &b[i], sizeof(T)) != 0 ? 1 : 0;
+        differences += bits(a[i]) != bits(b[i]) ? 1 : 0;
     return differences;
 }
 
@@ -285,7 +288,7 @@ TEST_CASE("device tracer: a build, a copy and rays follow each other on any queu
         cl::UserEvent written(shared_context().session().context());
         cl_event copied = nullptr, traced = nullptr;
         const cl::Event built = tree.enqueue(queue, {written()});
-        const cl_event built_event = built();
+        cl_event built_event = built();
         tracer.enqueue_leaf_triangles(queue(), scene, {&built_event, 1}, &copied);
         tracer.enqueue_closest(queue(), scene, memory.rays(), {&copied, 1}, &traced);
         const cl::Event copy(copied), end(traced);
