@@ -124,7 +124,8 @@ TraceRays check_rays(const Session& session, const CheckedScene& scene, const De
 void add_wide_tree(Session& session, device::HostScene& scene, const Bvh& bvh, const Mesh& mesh) {
     const std::vector<trace::LeafTriangle> triangles = trace::copy_triangles(bvh, mesh);
     const trace::WideTree wide = trace::make_wide_tree(bvh.nodes, triangles);
-    scene.set_wide_tree(session, std::as_bytes(std::span(wide.nodes)), std::as_bytes(std::span(wide.blocks)));
+    scene.set_wide_tree(session, std::as_bytes(std::span(wide.nodes.data(), wide.nodes.size())),
+                        std::as_bytes(std::span(wide.blocks.data(), wide.blocks.size())));
 }
 
 void check_length(std::string_view name, std::size_t length, std::size_t rays) {
@@ -233,6 +234,9 @@ const Context& DeviceTracer::context() const noexcept {
 }
 Shape DeviceTracer::shape() const noexcept {
     return state_->settings.shape;
+}
+bool DeviceTracer::is_exact() const noexcept {
+    return state_->settings.rounds_divisions && state_->settings.keeps_denormals;
 }
 
 }  // namespace clbvh

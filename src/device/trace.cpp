@@ -36,9 +36,8 @@ Shape chosen_shape(Session& session, Shape option) {
     return session.prefers_lane_shape() ? Shape::lane : Shape::group;
 }
 
-bool can_round_divisions(const Session& session) {
-    const auto device = session.queue().getInfo<CL_QUEUE_DEVICE>();
-    return (device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+cl_device_fp_config float_abilities(const Session& session) {
+    return session.queue().getInfo<CL_QUEUE_DEVICE>().getInfo<CL_DEVICE_SINGLE_FP_CONFIG>();
 }
 
 // SCENE_ARGUMENTS of kernels/trace.cl. What a scene lacks is not read, but no kernel is given a null buffer.
@@ -89,7 +88,9 @@ TraceSettings resolve_trace_settings(Session& session, const DeviceTracerOptions
     settings.block_rays = chosen(options.block_rays, is_group ? settings.work_group_size : kLaneBlock);
     settings.stack_entries = chosen(options.stack_entries, kStackEntries);
     settings.persistent_groups = options.persistent_groups;
-    settings.rounds_divisions = can_round_divisions(session);
+    const cl_device_fp_config abilities = float_abilities(session);
+    settings.rounds_divisions = (abilities & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    settings.keeps_denormals = (abilities & CL_FP_DENORM) != 0;
     return settings;
 }
 
@@ -131,7 +132,8 @@ void launch_trace(Launcher& launcher, const TraceSettings& settings, const Trace
     const auto all_values = std::tuple_cat(scene_arguments(scene, rays.scratch.buffer), ray_values);
     const std::size_t blocks = groups_for(rays.count, settings.block_rays);
     launcher.launch(kernel("begin_trace"), 1, rays.scratch.buffer, rays.scratch.offset);
-    if (wide.nodes() != nullptr && rays.counts.buffer() == nullptr) {
+    const bool goes_wide = wide.nodes() != nullptr && rays.counts.buffer() == nullptr;
+    if (goes_wide && settings.persistent_groups == 0) {
         launch_with(launcher, kernel(rays.any ? "wide_any" : "wide_closest"), blocks,
                     std::tuple_cat(std::make_tuple(wide.nodes, wide.blocks), ray_values));
     } else {

@@ -15,6 +15,7 @@ struct TraceSettings {
     std::uint32_t stack_entries = 1;
     std::uint32_t persistent_groups = 0;
     bool rounds_divisions = false;  ///< The device can be told to round them correctly.
+    bool keeps_denormals = false;
 };
 
 /// Throws Error(invalid_input) for options out of range, Error(unsupported) for what the device cannot run.

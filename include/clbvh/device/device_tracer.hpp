@@ -64,8 +64,8 @@ struct DeviceTraceSizes {
 };
 
 /// Traces rays on an OpenCL device: from buffers of the caller's into buffers of the caller's, on a queue of the
-/// caller's, or from host memory into host memory. On devices that round divisions correctly and keep denormal numbers
-/// the hits are Tracer's, bit for bit, and so are the counts; see docs/trace-device.md for others.
+/// caller's, or from host memory into host memory. Where is_exact() the hits are Tracer's, bit for bit, and so are the
+/// counts; see docs/trace-device.md for other devices.
 ///
 ///     clbvh::DeviceTracer tracer(context);
 ///     tracer.set_scene(bvh, mesh);
@@ -122,6 +122,8 @@ public:
     [[nodiscard]] const Context& context() const noexcept;
     /// The shape that runs: group or lane.
     [[nodiscard]] Shape shape() const noexcept;
+    /// True on devices that round divisions correctly and keep denormal numbers.
+    [[nodiscard]] bool is_exact() const noexcept;
 
 private:
     struct State;
