@@ -60,7 +60,7 @@ struct DeviceRays {
 /// Bytes that tracing needs beside the tree, the rays and the hits.
 struct DeviceTraceSizes {
     std::uint64_t scratch = 0;  ///< For any number of rays; free again when they are traced.
-    std::uint64_t copy = 0;     ///< 48 for each reference in the group shape, some 204 in the lane shape.
+    std::uint64_t copy = 0;     ///< 48 for each reference in the group shape, some 166 in the lane shape.
 };
 
 /// Traces rays on an OpenCL device: from buffers of the caller's into buffers of the caller's, on a queue of the
