@@ -1,6 +1,7 @@
 #include "ray_cost.hpp"
 
 #include <algorithm>
+#include <clbvh/metrics/lcv.hpp>
 #include <memory>
 #include <utility>
 
@@ -68,19 +69,11 @@ private:
 };
 
 void set_counts(RayCost& cost, std::span<const RayCounts> counts) {
-    if (counts.empty()) return;
-    double inner = 0.0;
-    double leaves = 0.0;
-    double triangles = 0.0;
-    for (const RayCounts& ray : counts) {
-        inner += ray.inner_nodes;
-        leaves += ray.leaves;
-        triangles += ray.triangles;
-    }
-    const auto rays = static_cast<double>(counts.size());
-    cost.inner_per_ray = inner / rays;
-    cost.leaves_per_ray = leaves / rays;
-    cost.triangles_per_ray = triangles / rays;
+    const MeanCounts means = mean_counts(counts);
+    cost.inner_per_ray = means.inner_nodes;
+    cost.leaves_per_ray = means.leaves;
+    cost.triangles_per_ray = means.triangles;
+    cost.leaf_count_variability = leaf_count_variability(counts);
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ struct RayCost {
     double inner_per_ray = 0.0;
     double leaves_per_ray = 0.0;
     double triangles_per_ray = 0.0;
+    double leaf_count_variability = 0.0;
     std::uint64_t mismatches = 0;  ///< Rays whose answer is not that of the first engine.
 
     [[nodiscard]] double ns_per_ray() const;

@@ -12,13 +12,6 @@
 namespace clbvh::tool {
 namespace {
 
-std::string title(const TraceResult& result) {
-    std::string title = fmt::format("{}: {} triangles; {} {} rays on {}", result.scene, result.triangles,
-                                    result.cost.ray_count, to_string(result.rays), result.traced_on);
-    if (result.threads > 0) title += fmt::format(", {}", threads_text(result.threads));
-    return title;
-}
-
 /// The results of the first set in `results`.
 std::span<const TraceResult> first_set(std::span<const TraceResult> results) {
     const auto end = std::ranges::find_if(results, [&](const TraceResult& r) { return r.rays != results[0].rays; });
@@ -38,7 +31,7 @@ std::string set_report(std::span<const TraceResult> results) {
         {"SAH", [](Result r) { return fixed_text(r.sah, 3); }},
         {"hits", [](Result r) { return std::to_string(r.cost.hits); }},
     };
-    return fmt::format("{}\n{}", title(results.front()), table_text(columns, results));
+    return fmt::format("{}\n{}", trace_title(results.front()), table_text(columns, results));
 }
 
 nlohmann::ordered_json sample_json(const Sample& sample) {
@@ -46,6 +39,13 @@ nlohmann::ordered_json sample_json(const Sample& sample) {
 }
 
 }  // namespace
+
+std::string trace_title(const TraceResult& result) {
+    std::string title = fmt::format("{}: {} triangles; {} {} rays on {}", result.scene, result.triangles,
+                                    result.cost.ray_count, to_string(result.rays), result.traced_on);
+    if (result.threads > 0) title += fmt::format(", {}", threads_text(result.threads));
+    return title;
+}
 
 nlohmann::ordered_json to_json(const TraceResult& result) {
     nlohmann::ordered_json json{

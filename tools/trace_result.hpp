@@ -35,6 +35,9 @@ inline constexpr const char* kTraceBaseline = "binned-sah";
 
 [[nodiscard]] nlohmann::ordered_json to_json(const TraceResult& result);
 
+/// "SCENE: N triangles; N diffuse rays on host, 2 threads", for above a table.
+[[nodiscard]] std::string trace_title(const TraceResult& result);
+
 /// The tables of one scene, one for each set of rays. `results` holds set after set.
 [[nodiscard]] std::string trace_report(std::span<const TraceResult> results);
 

@@ -1,15 +1,20 @@
 #pragma once
 
 #include <clbvh/core/build_options.hpp>
+#include <clbvh/core/bvh.hpp>
+#include <clbvh/core/mesh.hpp>
 #include <clbvh/device/context.hpp>
 #include <clbvh/trace/tracer.hpp>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "progress_bar.hpp"
 #include "ray_arguments.hpp"
+#include "ray_engine.hpp"
 #include "trace_result.hpp"
 #include "tracer_arguments.hpp"
 #include "view_arguments.hpp"
@@ -23,6 +28,25 @@ struct TraceSettings {
     BuildOptions options;
     std::optional<Context> context;  ///< Needed where a device builds or traces.
 };
+
+/// A tree that rays are traced through.
+struct TraceCandidate {
+    TraceResult base;  ///< What is the same for all rays.
+    std::unique_ptr<RayEngine> engine;
+};
+
+/// Shown each tree before it goes; its engine is not there yet.
+using VisitTree = std::function<void(const TraceResult& base, const Bvh& bvh)>;
+
+/// Builds a tree with each builder, and an engine over it.
+[[nodiscard]] std::vector<TraceCandidate> build_candidates(const TraceSettings& settings,
+                                                           const TracerArguments& tracing, const std::string& scene,
+                                                           const Mesh& mesh, ProgressBar& bar,
+                                                           const VisitTree& visit = {});
+
+/// What these rays cost with the tree of `base`.
+[[nodiscard]] TraceResult result_of(const TraceResult& base, const RayArguments& arguments, const RaySet& set,
+                                    const Camera& camera, const RayCost& cost);
 
 /// Builds a tree with each builder and traces the same rays through all of them, in the same rounds. The rays are made
 /// on the first tree.

@@ -87,6 +87,35 @@ TEST_CASE("every sweep is drawn") {
     CHECK_THAT(wrong.text, Contains("holds a sweep"));
 }
 
+TEST_CASE("rays and predictions are drawn from what metrics writes") {
+    if (!can_plot()) return;
+    const ScratchFolder folder;
+    const std::string json = folder.path("metrics.json");
+    REQUIRE(run_tool({"metrics", "gen:city:1000", "gen:soup:500", "--builders", "binned-sah,sbvh,median,aac-fast",
+                      "--count", "1000", "--runs", "1", "--json", json})
+                .exit_code == 0);
+    const std::string png = folder.path("figure.png");
+    for (const char* figure : {"rays", "rays --leave-out median --rays diffuse --scenes gen:soup:500", "predict",
+                               "predict --measurement ns_per_ray --scenes gen:city:1000"}) {
+        const Plotted plotted = plot(std::string(figure) + " " + json + " " + png);
+        INFO(plotted.text);
+        CHECK(plotted.success);
+        CHECK(is_png(png));
+    }
+    const auto refused = [&](const std::string& arguments, const std::string& part) {
+        const Plotted plotted = plot(arguments + " " + json + " " + png);
+        CHECK_FALSE(plotted.success);
+        CHECK_THAT(plotted.text, Contains("error: ") && Contains(part) && !Contains("Traceback"));
+    };
+    refused("rays --rays shadow", "has no shadow rays; it has diffuse");
+    refused("rays --baseline lbvh", "has no lbvh");
+    refused("predict --leave-out median", "has 3 builders to show on gen:city:1000");
+    const std::string builds = folder.path("builds.json");
+    bench(builds, {"gen:soup:500", "--builders", "median"});
+    CHECK_THAT(plot("rays " + builds + " " + png).text, Contains("has no rays"));
+    CHECK_THAT(plot("predict " + builds + " " + png).text, Contains("has no EPO"));
+}
+
 TEST_CASE("figures say what their JSON lacks") {
     if (!can_plot()) return;
     const ScratchFolder folder;
@@ -115,5 +144,5 @@ TEST_CASE("figures say what their JSON lacks") {
     expect_failure("speed " + folder.path("parts.json"), "has first, second; choose one with --part");
     CHECK(plot("speed --baseline median --part second " + folder.path("parts.json") + " " + folder.path("out.png"))
               .success);
-    CHECK_THAT(plot("--help").text, Contains("bandwidth") && Contains("sweep"));
+    CHECK_THAT(plot("--help").text, Contains("bandwidth") && Contains("sweep") && Contains("predict"));
 }

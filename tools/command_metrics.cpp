@@ -1,0 +1,181 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <clbvh/core/error.hpp>
+#include <clbvh/metrics/epo.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench_report.hpp"
+#include "build_arguments.hpp"
+#include "builder_choice.hpp"
+#include "command.hpp"
+#include "cost_prediction.hpp"
+#include "interrupt.hpp"
+#include "json_output.hpp"
+#include "machine.hpp"
+#include "metrics_scene.hpp"
+#include "progress_bar.hpp"
+#include "result_json.hpp"
+#include "scene_arguments.hpp"
+#include "scene_check.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+struct Arguments {
+    std::vector<std::string> scenes;
+    SceneArguments loading;
+    ViewArguments view;
+    std::string builders = "all";
+    RayArguments rays;
+    TracerArguments tracing;
+    std::uint32_t runs = 5;
+    std::uint64_t epo_samples = 0;  // 0: exact
+    BuildArguments build;
+    JsonOutput json;
+};
+
+constexpr const char* kWayOut = "--builders host needs no device (see clbvh builders)";
+
+/// Scene after scene; the document holds what has been done so far.
+class Measuring {
+public:
+    explicit Measuring(const Arguments& arguments)
+        : arguments_(arguments), choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)) {
+        choice_.context = arguments.tracing.context(std::move(choice_.context), arguments.build.device);
+        settings_ = {{choice_.ids, arguments.runs, arguments.build.options, choice_.context}, arguments.epo_samples};
+    }
+
+    void run() {
+        print(unavailable_report(choice_));
+        ProgressBar bar;
+        for (const std::string& scene : arguments_.scenes) {
+            bar.show_now(0.0, "loading " + scene);
+            const ViewedScene viewed = load_viewed(scene, arguments_.loading, arguments_.view);
+            throw_if_interrupted();
+            std::vector<MetricsResult> of_scene =
+                measure_scene(settings_, arguments_.rays, arguments_.tracing, scene, viewed, bar);
+            bar.erase();
+            std::vector<Prediction> predictions = predict(of_scene);
+            print(header() + metrics_report(of_scene) + prediction_report(predictions) + '\n');
+            std::ranges::move(of_scene, std::back_inserter(results_));
+            std::ranges::move(predictions, std::back_inserter(predictions_));
+        }
+        print(pooled_report(predictions_));
+    }
+
+    [[nodiscard]] bool has_results() const { return !results_.empty(); }
+
+    [[nodiscard]] nlohmann::ordered_json document() const {
+        nlohmann::ordered_json list = nlohmann::ordered_json::array();
+        for (const MetricsResult& result : results_)
+            list.push_back(to_json(result));
+        nlohmann::ordered_json document =
+            document_json(choice_.context, arguments_.loading, arguments_.build.options, std::move(list));
+        document["correlation"] = to_json(predictions_);
+        for (const std::string& id : choice_.unavailable_ids)
+            document["unavailable"].push_back({{"builder", id}, {"reason", choice_.reason}});
+        return document;
+    }
+
+    /// Tells standard error about builders whose hits are not the first one's, and returns the exit code.
+    [[nodiscard]] int finish() const {
+        std::vector<TraceResult> traces;
+        std::ranges::transform(results_, std::back_inserter(traces), &MetricsResult::trace);
+        return report_mismatches(traces);
+    }
+
+private:
+    /// The machine and how scenes were turned, above the first table only.
+    [[nodiscard]] std::string header() const {
+        if (!results_.empty()) return "";
+        const std::string note = arguments_.loading.note();
+        return machine_line(describe_machine(), choice_.context) + (note.empty() ? "" : "\n" + note) + "\n\n";
+    }
+
+    void print(const std::string& text) const {
+        if (!arguments_.json.leaves_standard_output()) return;
+        fmt::print("{}", text);
+        std::fflush(stdout);
+    }
+
+    const Arguments& arguments_;
+    BuilderChoice choice_;
+    MetricsSettings settings_;
+    std::vector<MetricsResult> results_;
+    std::vector<Prediction> predictions_;
+};
+
+/// What can be seen before any work.
+void check_arguments(const Arguments& arguments) {
+    arguments.build.check();
+    arguments.view.check();
+    arguments.json.require_writable();
+    arguments.rays.check(arguments.scenes.size());
+    if (arguments.rays.kinds.size() != 1)
+        throw Error(ErrorCode::invalid_input, "--rays: metrics are about one kind of rays; give one");
+    std::ranges::for_each(arguments.scenes, require_scene);
+}
+
+int run_metrics(const Arguments& arguments) {
+    check_arguments(arguments);
+    Measuring measuring(arguments);
+    try {
+        measuring.run();
+    } catch (const std::exception& error) {
+        if (!measuring.has_results()) throw;
+        nlohmann::ordered_json document = measuring.document();
+        document["incomplete"] = interrupted() ? "interrupted" : error.what();
+        arguments.json.write(document);
+        throw;
+    }
+    arguments.json.write(measuring.document());
+    return measuring.finish();
+}
+
+void add_measuring_options(CLI::App& command, Arguments& arguments) {
+    command
+        .add_option("--builders,--builder", arguments.builders,
+                    "Ids or groups (all, host, device) with commas between them; see clbvh builders")
+        ->type_name("A,B,C")
+        ->capture_default_str();
+    command.add_option("--runs", arguments.runs, "Timed rounds, after one that warms up, 1 to 1000")
+        ->check(CLI::Range(1, 1000))
+        ->type_name("N")
+        ->capture_default_str();
+    command
+        .add_option("--epo-samples", arguments.epo_samples,
+                    "Estimate EPO from so many points, 2 to 2^32, which is faster where large triangles meet many "
+                    "boxes; exact unless given")
+        ->check(CLI::Range(kFewestEpoSamples, kMostEpoSamples))
+        ->type_name("N");
+}
+
+}  // namespace
+
+Command add_metrics_command(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("metrics", "Describe trees, and say how well SAH, EPO and LCV predict rays");
+    command->footer(
+        "EPO, LCV and the weights alpha and beta are those of Aila, Karras and Laine 2013; docs/metrics.md defines "
+        "them.\nOn the host, ns/ray is of eight children at a time, binary of the tree's own nodes. All trees stay in "
+        "memory.");
+    auto arguments = std::make_shared<Arguments>();
+    command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
+    add_measuring_options(*command, *arguments);
+    arguments->rays.add_options(*command);
+    arguments->tracing.add_options(*command);
+    arguments->view.add_options(*command);
+    arguments->loading.add_options(*command);
+    arguments->build.add_options(*command);
+    arguments->json.add_option(*command);
+    return {command, [arguments] { return run_metrics(*arguments); }};
+}
+
+}  // namespace clbvh::tool

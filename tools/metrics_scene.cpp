@@ -1,0 +1,93 @@
+#include "metrics_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <clbvh/metrics/epo.hpp>
+#include <list>
+#include <utility>
+
+#include "counting_engine.hpp"
+#include "interrupt.hpp"
+#include "rounds.hpp"
+#include "stopwatch.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+/// Fills what the tree itself tells.
+void describe(MetricsResult& result, const Bvh& bvh, const Mesh& mesh, std::uint64_t epo_samples, ProgressBar& bar) {
+    const std::string label = fmt::format("{}, end-point overlap of {}", result.trace.scene, result.trace.builder);
+    bar.show_now(0.0, label);
+    result.shape = tree_shape(bvh);
+    const Stopwatch stopwatch;
+    if (epo_samples > 0) {
+        const Estimate estimate = end_point_overlap_sampled(bvh, mesh, epo_samples);
+        result.epo = estimate.value;
+        result.epo_error = estimate.standard_error;
+    } else {
+        result.epo = end_point_overlap(bvh, mesh, {}, [&](const Progress& progress) {
+            bar.show(progress.fraction, label);
+            return !interrupted();
+        });
+    }
+    result.epo_ms = stopwatch.milliseconds();
+}
+
+/// Each tree's engine and, on the host, the same one counting, so that all of them take their turns in one round.
+class Field {
+public:
+    Field(const std::vector<TraceCandidate>& candidates, bool on_device) {
+        for (const TraceCandidate& candidate : candidates) {
+            entrants_.push_back({candidate.base.builder, candidate.engine.get()});
+            if (on_device) continue;
+            CountingEngine& counting = counting_.emplace_back(*candidate.engine, counts_);
+            entrants_.push_back({candidate.base.builder + ", binary", &counting});
+        }
+        stride_ = on_device ? 1 : 2;
+    }
+
+    void measure(const RaySet& set, std::size_t runs, RoundsProgress& progress) {
+        costs_ = measure_rays(entrants_, set, runs, progress);
+    }
+    [[nodiscard]] const RayCost& cost(std::size_t candidate) const { return costs_[candidate * stride_]; }
+    [[nodiscard]] std::optional<Sample> binary_trace_ms(std::size_t candidate) const {
+        if (stride_ == 1) return {};
+        return costs_[candidate * stride_ + 1].trace_ms;
+    }
+
+private:
+    std::vector<RayCounts> counts_;
+    std::list<CountingEngine> counting_;  // entrants point into it
+    std::vector<RayEntrant> entrants_;
+    std::size_t stride_;
+    std::vector<RayCost> costs_;
+};
+
+}  // namespace
+
+std::vector<MetricsResult> measure_scene(const MetricsSettings& settings, const RayArguments& rays,
+                                         const TracerArguments& tracing, const std::string& scene,
+                                         const ViewedScene& viewed, ProgressBar& bar) {
+    std::vector<MetricsResult> results;
+    const auto visit = [&](const TraceResult& base, const Bvh& bvh) {
+        MetricsResult& result = results.emplace_back();
+        result.trace = base;
+        describe(result, bvh, viewed.mesh, settings.epo_samples, bar);
+    };
+    const std::vector<TraceCandidate> candidates =
+        build_candidates(settings.tracing, tracing, scene, viewed.mesh, bar, visit);
+    const std::string title = fmt::format("{}, {} rays", scene, to_string(rays.kinds.front()));
+    bar.show_now(0.0, title);
+    const RaySet set =
+        rays.rays(rays.kinds.front(), scene, viewed.mesh, closest_hits_of(*candidates.front().engine), viewed.camera);
+    RoundsProgress progress(title, bar);
+    Field field(candidates, tracing.on_device);
+    field.measure(set, settings.tracing.runs, progress);
+    for (std::size_t i = 0; i < results.size(); ++i) {
+        results[i].trace = result_of(results[i].trace, rays, set, viewed.camera, field.cost(i));
+        results[i].binary_trace_ms = field.binary_trace_ms(i);
+    }
+    return results;
+}
+
+}  // namespace clbvh::tool
