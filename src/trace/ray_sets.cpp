@@ -13,6 +13,7 @@
 #include "clbvh/core/mesh_bounds.hpp"
 #include "clbvh/core/vector.hpp"
 #include "clbvh/trace/surface.hpp"
+#include "core/memory_errors.hpp"
 #include "core/random.hpp"
 
 namespace clbvh {
@@ -245,9 +246,11 @@ std::vector<Ray> make_rays(RayKind kind, const Mesh& mesh, const ClosestHits& tr
         throw Error(ErrorCode::invalid_input, "the number of rays is " + std::to_string(options.count) +
                                                   "; it has to be 1 to " + std::to_string(kMostRays));
     }
-    if (kind == RayKind::random) return random_lines(mesh_bounds(mesh), options.count, options.seed);
-    if (kind == RayKind::primary) return primary_grid(camera, static_cast<double>(options.count), options.seed);
-    return rays_beyond_primary(kind, mesh, trace, camera, options);
+    return with_memory_errors("the rays", [&] {
+        if (kind == RayKind::random) return random_lines(mesh_bounds(mesh), options.count, options.seed);
+        if (kind == RayKind::primary) return primary_grid(camera, static_cast<double>(options.count), options.seed);
+        return rays_beyond_primary(kind, mesh, trace, camera, options);
+    });
 }
 
 }  // namespace clbvh
