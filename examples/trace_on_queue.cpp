@@ -26,7 +26,8 @@ void check(cl_int status, const char* call) {
 clbvh::Mesh surface(float time) {
     clbvh::Mesh mesh;
     for (std::uint32_t i = 0; i < (kSide + 1) * (kSide + 1); ++i) {
-        const auto x = static_cast<float>(i % (kSide + 1)), y = static_cast<float>(i / (kSide + 1));
+        const std::uint32_t row = i / (kSide + 1), column = i % (kSide + 1);
+        const auto x = static_cast<float>(column), y = static_cast<float>(row);
         mesh.vertices.push_back({x, y, 6.0f * std::sin(0.15f * x + time) * std::cos(0.1f * y)});
     }
     for (std::uint32_t row = 0; row < kSide; ++row) {
@@ -42,10 +43,10 @@ clbvh::Mesh surface(float time) {
 std::vector<clbvh::Ray> picture_rays() {
     std::vector<clbvh::Ray> rays;
     for (std::uint32_t i = 0; i < kWidth * kHeight; ++i) {
-        const auto column = static_cast<float>(i % kWidth), row = static_cast<float>(i / kWidth);
+        const std::uint32_t row = i / kWidth, column = i % kWidth;
         clbvh::Ray ray;
         ray.origin = {50.0f, -40.0f, 40.0f};
-        ray.direction = {(column - kWidth / 2.0f) / kWidth, 1.0f, -0.2f - row / kHeight};
+        ray.direction = {static_cast<float>(column) / kWidth - 0.5f, 1.0f, -0.2f - static_cast<float>(row) / kHeight};
         rays.push_back(ray);
     }
     return rays;
@@ -70,7 +71,7 @@ public:
         scene_.bvh = clbvh::DeviceBvh::of(tree_, count);
 
         const clbvh::DeviceTraceSizes trace_sizes = tracer_.sizes(scene_.bvh);
-        scene_.leaf_triangles = make_buffer(trace_sizes.leaf_triangles);
+        scene_.copy = make_buffer(trace_sizes.copy);
         rays_.count = kWidth * kHeight;
         rays_.rays = make_buffer(rays_.count * sizeof(clbvh::Ray));
         rays_.results = make_buffer(rays_.count * sizeof(clbvh::Hit));
@@ -89,7 +90,7 @@ public:
     void enqueue(float time) {
         write(scene_.triangles.vertices, surface(time).vertices);
         builder_.enqueue(queue_, scene_.triangles, build_scratch_, tree_);
-        tracer_.enqueue_leaf_triangles(queue_, scene_);
+        tracer_.enqueue_copy(queue_, scene_);
         tracer_.enqueue_closest(queue_, scene_, rays_);
     }
 

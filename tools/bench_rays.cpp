@@ -24,6 +24,7 @@ void bench_rays(std::span<BuildResult> results, std::span<const std::unique_ptr<
     if (traced.empty()) return;
     const RaySet set{RayKind::diffuse, make_rays(RayKind::diffuse, mesh, closest_hits_of(*engines.front()), camera,
                                                  {std::uint64_t{1} << 18, 1})};
+    if (set.rays.empty()) return;
     const std::vector<RayCost> costs = measure_rays(traced, set, runs, progress);
     for (std::size_t i = 0; i < costs.size(); ++i)
         results_of[i]->rays = costs[i];

@@ -62,14 +62,6 @@ void draw_text(Picture& picture, std::string_view text, std::uint32_t x, std::ui
     }
 }
 
-/// A value that 99 % do not exceed, and at least 1.
-float fitting_end(std::vector<float> values) {
-    if (values.empty()) return 1.0f;
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(values.size() - 1) * 0.99);
-    std::ranges::nth_element(values, at);
-    return std::max(1.0f, std::ceil(*at));
-}
-
 /// The colours from 0 to `end` along the lower edge, with five numbers above.
 void draw_legend(Picture& picture, float end) {
     const std::uint32_t dot = std::max(1U, picture.height() / 180);
@@ -95,11 +87,18 @@ void draw_legend(Picture& picture, float end) {
 
 }  // namespace
 
+float fitting_scale_end(std::vector<float> values) {
+    if (values.empty()) return 1.0f;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(values.size() - 1) * 0.99);
+    std::ranges::nth_element(values, at);
+    return std::max(1.0f, std::ceil(*at));
+}
+
 Picture heat_map(const std::vector<float>& values, std::uint32_t width, std::uint32_t height, float scale_end) {
-    const float end = scale_end > 0.0f ? scale_end : fitting_end(values);
     Picture picture(width, height);
-    std::ranges::transform(values, picture.pixels().begin(), [&](float value) { return heat_colour(value / end); });
-    draw_legend(picture, end);
+    std::ranges::transform(values, picture.pixels().begin(),
+                           [&](float value) { return heat_colour(value / scale_end); });
+    draw_legend(picture, scale_end);
     return picture;
 }
 

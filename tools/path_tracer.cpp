@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "light_sample.hpp"
 #include "sample_sequence.hpp"
 
 namespace clbvh::tool {
@@ -20,12 +21,15 @@ namespace {
 constexpr std::uint32_t kMostBounces = 5;
 constexpr std::uint32_t kRouletteFrom = 2;
 constexpr float kEndless = std::numeric_limits<float>::infinity();
-constexpr float kBrightest = 12.0f;   // of one path: a rare bright one would be a spot
-constexpr float kNearestLamp = 4.0f;  // in radii: nearer surfaces get no more light than there
+constexpr float kBrightest = 12.0f;  // of one path: a rare bright one would be a spot
 constexpr Vec3 kGroundAlbedo{0.50f, 0.48f, 0.45f};
 
 Vec3 modulated(const Vec3& a, const Vec3& b) {
     return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+
+float brightness(const Vec3& colour) {
+    return dot(colour, {0.2126f, 0.7152f, 0.0722f});
 }
 
 /// A path under way.
@@ -48,6 +52,7 @@ struct Surface {
     Vec3 normal;          ///< Of the triangle.
     Vec3 shading_normal;  ///< Of the surface that it stands for.
     Vec3 albedo;
+    Vec3 own_colour{1.0f, 1.0f, 1.0f};  ///< What of the albedo is the mesh's.
 };
 
 /// The paths of one sample of all pixels, from bounce to bounce.
@@ -64,7 +69,7 @@ public:
           sample_(sample) {
         const std::vector<Ray> rays = pixel_rays(camera, settings, sample);
         light_.resize(rays.size());
-        is_surface_.resize(rays.size());
+        first_.resize(rays.size());
         paths_.resize(rays.size());
         for (std::uint32_t i = 0; i < rays.size(); ++i)
             paths_[i] = {rays[i], {1.0f, 1.0f, 1.0f}, i};
@@ -84,7 +89,8 @@ public:
         const Vec3& l = light_[pixel];
         return min(l, {kBrightest, kBrightest, kBrightest});
     }
-    [[nodiscard]] bool is_surface(std::size_t pixel) const { return is_surface_[pixel] != 0; }
+    /// What the pixel's path met first; a normal of zeros where that was the sky.
+    [[nodiscard]] const Surface& first_surface(std::size_t pixel) const { return first_[pixel]; }
 
 private:
     void meet_surfaces() {
@@ -105,7 +111,7 @@ private:
                 paths_[i].throughput = {};
                 return;
             }
-            if (bounce == 0) is_surface_[paths_[i].pixel] = 1;
+            if (bounce == 0) first_[paths_[i].pixel] = *surface;
             SampleSequence random(settings_.seed + 0x10001U * (bounce + 1), paths_[i].pixel, sample_);
             light_rays_[i] = light_ray(paths_[i], *surface, random);
             continue_path(paths_[i], *surface, bounce, random);
@@ -132,7 +138,8 @@ private:
         if (hit && hit.t <= ground) {
             const SurfacePoint point = surface_point(mesh_, path.ray, hit);
             const Vec3 smooth = look_.shading_normal(hit, point.normal);
-            return Surface{point.position, point.normal, smooth, look_.albedo(hit, point.normal)};
+            const Vec3 albedo = look_.albedo(hit, point.normal);
+            return Surface{point.position, point.normal, smooth, albedo, albedo};
         }
         Vec3& light = light_[path.pixel];
         float fade = 1.0f;
@@ -162,70 +169,17 @@ private:
         return normalized(direction - lighting_.up * dot(direction, lighting_.up));
     }
 
-    /// A ray to one of the lights, chosen by what each would give if nothing were between; its light is zero where
-    /// none reaches the surface.
+    /// A ray to one of the lights; its light is zero where none reaches the surface.
     [[nodiscard]] LightRay light_ray(const Path& path, const Surface& surface, SampleSequence& random) const {
-        const auto [choice, unused] = random.next();
-        const auto [x, y] = random.next_in_disc();
-        const std::size_t lights = (lighting_.to_sun ? 1U : 0U) + lighting_.lamps.size();
-        float sum = 0.0f;
-        for (std::size_t i = 0; i < lights; ++i)
-            sum += expected_light(i, surface);
         LightRay result;
-        if (sum <= 0.0f) return result;
-        std::size_t pick = 0;
-        float left = choice * sum;
-        while (pick + 1 < lights && left >= expected_light(pick, surface))
-            left -= expected_light(pick++, surface);
-        const float chance = expected_light(pick, surface) / sum;
-        const Arrival arrival =
-            pick < lighting_.lamps.size() ? lamp_at(lighting_.lamps[pick], surface, x, y) : sun(x, y);
-        const float cosine = dot(surface.shading_normal, arrival.direction);
-        if (chance <= 0.0f || cosine <= 0.0f || dot(surface.normal, arrival.direction) <= 0.0f) return result;
-        const Vec3 sent = modulated(path.throughput, modulated(surface.albedo, arrival.light));
-        result.ray = {surface.position, 0.0f, arrival.direction, arrival.distance};
-        result.light = sent * (cosine / (chance * std::numbers::pi_v<float>));
+        const auto sample = sample_light(lighting_, surface.position, surface.shading_normal, random);
+        if (!sample || dot(surface.normal, sample->direction) <= 0.0f) return result;
+        const float cosine = std::max(0.0f, dot(surface.shading_normal, sample->direction));
+        const Vec3 sent = modulated(path.throughput, modulated(surface.albedo, sample->light));
+        result.ray = {surface.position, 0.0f, sample->direction, sample->distance};
+        result.light = sent * (cosine / std::numbers::pi_v<float>);
         result.pixel = path.pixel;
         return result;
-    }
-
-    /// Light `index` of the lamps and then the sun: about how much of it a surface there can expect.
-    [[nodiscard]] float expected_light(std::size_t index, const Surface& surface) const {
-        if (index == lighting_.lamps.size()) {
-            return lighting_.sunny_share * kSunlight.y * std::max(0.0f, dot(surface.shading_normal, *lighting_.to_sun));
-        }
-        const Lamp& lamp = lighting_.lamps[index];
-        const Vec3 way = lamp.centre - surface.position;
-        const float distance = length(way);
-        // A ball is seen somewhat beyond the horizon of its centre.
-        const float cosine =
-            dot(surface.shading_normal, normalized(way)) + lamp.radius / std::max(distance, lamp.radius);
-        return lamp.intensity * std::max(0.0f, cosine) / square(std::max(distance, kNearestLamp * lamp.radius));
-    }
-
-    static float square(float value) { return value * value; }
-
-    /// What comes from a light.
-    struct Arrival {
-        Vec3 direction;
-        float distance = kEndless;
-        Vec3 light;
-    };
-
-    [[nodiscard]] Arrival sun(float x, float y) const {
-        const Vec3& middle = *lighting_.to_sun;
-        const Vec3 above = cosine_direction(middle, x, y);
-        const Vec3 in_disc = above - middle * dot(above, middle);
-        return {normalized(middle + in_disc * kSunRadius), kEndless, kSunlight};
-    }
-
-    /// (x, y) of the disc that the lamp shows to the surface.
-    static Arrival lamp_at(const Lamp& lamp, const Surface& surface, float x, float y) {
-        const Vec3 back = normalized(surface.position - lamp.centre);
-        const Vec3 way = lamp.centre + cosine_direction(back, x, y) * lamp.radius - surface.position;
-        const float distance = length(way);
-        const float nearest = std::max(distance, kNearestLamp * lamp.radius);
-        return {normalized(way), distance, kLamplight * (lamp.intensity / square(nearest))};
     }
 
     static void continue_path(Path& path, const Surface& surface, std::uint32_t bounce, SampleSequence& random) {
@@ -248,12 +202,56 @@ private:
     const RenderSettings& settings_;
     std::uint32_t sample_;
     std::vector<Vec3> light_;
-    std::vector<std::uint8_t> is_surface_;
+    std::vector<Surface> first_;
     std::vector<Path> paths_;
     std::vector<LightRay> light_rays_;
     std::vector<Ray> rays_;
     std::vector<Hit> hits_;
     std::vector<std::uint8_t> is_hit_;
+};
+
+/// What the samples of all pixels add up to.
+class SampleSums {
+public:
+    SampleSums(std::uint32_t width, std::uint32_t height)
+        : picture_(width, height), squares_(picture_.variance.size()), surfaces_(squares_.size()) {}
+
+    void add(const Wave& wave) {
+        tbb::parallel_for(std::size_t{0}, squares_.size(), [&](std::size_t i) {
+            const Vec3 light = wave.light(i);
+            const Surface& first = wave.first_surface(i);
+            picture_.light.pixels()[i] = picture_.light.pixels()[i] + light;
+            picture_.albedo.pixels()[i] = picture_.albedo.pixels()[i] + first.own_colour;
+            picture_.normal.pixels()[i] = picture_.normal.pixels()[i] + first.shading_normal;
+            picture_.position.pixels()[i] = picture_.position.pixels()[i] + first.position;
+            const float bright =
+                brightness({light.x / first.own_colour.x, light.y / first.own_colour.y, light.z / first.own_colour.z});
+            picture_.variance[i] += bright;
+            squares_[i] += bright * bright;
+            if (first.normal != Vec3{}) ++surfaces_[i];
+        });
+    }
+
+    /// Mean values, and the variance of the mean.
+    [[nodiscard]] LitPicture means(std::uint32_t samples) {
+        const auto count = static_cast<float>(samples);
+        for (std::size_t i = 0; i < squares_.size(); ++i) {
+            for (Picture* sum : {&picture_.light, &picture_.albedo})
+                sum->pixels()[i] = sum->pixels()[i] * (1.0f / count);
+            picture_.normal.pixels()[i] = normalized(picture_.normal.pixels()[i]);
+            const float seen = std::max(1.0f, static_cast<float>(surfaces_[i]));
+            picture_.position.pixels()[i] = picture_.position.pixels()[i] * (1.0f / seen);
+            picture_.is_surface[i] = surfaces_[i] > 0 ? 1 : 0;
+            const float mean = picture_.variance[i] / count;
+            picture_.variance[i] = std::max(0.0f, squares_[i] / count - mean * mean) / count;
+        }
+        return std::move(picture_);
+    }
+
+private:
+    LitPicture picture_;
+    std::vector<float> squares_;
+    std::vector<std::uint32_t> surfaces_;  // samples that met one
 };
 
 }  // namespace
@@ -275,19 +273,13 @@ std::vector<Ray> pixel_rays(const Camera& camera, const RenderSettings& settings
 
 LitPicture trace_paths(const Mesh& mesh, const SurfaceLook& look, const Lighting& lighting, const Camera& camera,
                        RayEngine& engine, const RenderSettings& settings) {
-    LitPicture picture{{settings.width, settings.height}, {}};
-    std::vector<Vec3>& pixels = picture.light.pixels();
-    picture.is_surface.resize(pixels.size());
-    const float share = 1.0f / static_cast<float>(settings.samples);
+    SampleSums sums(settings.width, settings.height);
     for (std::uint32_t sample = 0; sample < settings.samples; ++sample) {
         Wave wave(mesh, look, lighting, camera, engine, settings, sample);
-        wave.run([&](double part) { settings.progress((sample + part) * static_cast<double>(share)); });
-        for (std::size_t i = 0; i < pixels.size(); ++i) {
-            pixels[i] = pixels[i] + wave.light(i) * share;
-            if (wave.is_surface(i)) picture.is_surface[i] = 1;
-        }
+        wave.run([&](double part) { settings.progress((sample + part) / static_cast<double>(settings.samples)); });
+        sums.add(wave);
     }
-    return picture;
+    return sums.means(settings.samples);
 }
 
 }  // namespace clbvh::tool

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "denoise.hpp"
 #include "lighting.hpp"
 #include "picture.hpp"
 #include "ray_engine.hpp"
@@ -19,13 +20,8 @@ struct RenderSettings {
     std::uint32_t height = 720;
     std::uint32_t samples = 16;  ///< Of a pixel.
     std::uint64_t seed = 1;
+    bool denoised = true;                           ///< Where that is possible: paths of at least 4 samples.
     std::function<void(double fraction)> progress;  ///< Called between batches of rays; may throw.
-};
-
-/// Light, and which pixels show a surface rather than the sky.
-struct LitPicture {
-    Picture light;
-    std::vector<std::uint8_t> is_surface;  ///< 1 or 0 each.
 };
 
 /// Paths of up to five rays through a scene of diffuse surfaces, with a ray to a light from every surface (next event

@@ -39,13 +39,30 @@ void append(void* to, void* bytes, int count) {
 
 }  // namespace
 
+Picture side_by_side(const std::vector<Picture>& pictures) {
+    constexpr std::uint32_t line_width = 4;
+    std::uint32_t width = line_width * static_cast<std::uint32_t>(pictures.size() - 1);
+    for (const Picture& picture : pictures)
+        width += picture.width();
+    Picture all(width, pictures.front().height());
+    std::uint32_t left = 0;
+    for (const Picture& picture : pictures) {
+        for (std::size_t i = 0; i < picture.pixels().size(); ++i) {
+            const auto x = static_cast<std::uint32_t>(i % picture.width());
+            all.at(left + x, static_cast<std::uint32_t>(i / picture.width())) = picture.pixels()[i];
+        }
+        left += picture.width() + line_width;
+    }
+    return all;
+}
+
 Vec3 tone_mapped(const Vec3& light, float exposure) {
     const auto map = [exposure](float value) { return to_srgb(pressed(value * exposure)); };
     return {map(light.x), map(light.y), map(light.z)};
 }
 
 float fitting_exposure(const Picture& light, const std::vector<std::uint8_t>& counts) {
-    constexpr double middle_grey = 0.2;
+    constexpr double middle_grey = 0.26;
     const bool all = std::ranges::find(counts, std::uint8_t{1}) == counts.end();
     double sum = 0.0;
     double count = 0.0;

@@ -24,6 +24,9 @@ private:
     std::vector<Vec3> pixels_;
 };
 
+/// The pictures from left to right with a black line between them. All have the same height; there is at least one.
+[[nodiscard]] Picture side_by_side(const std::vector<Picture>& pictures);
+
 /// A pixel of light, without bounds, to what a screen shows, 0 to 1 in sRGB. `exposure` multiplies first; bright light
 /// is pressed together, not cut off.
 [[nodiscard]] Vec3 tone_mapped(const Vec3& light, float exposure);

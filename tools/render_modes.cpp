@@ -11,7 +11,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "heat_map.hpp"
 #include "lighting.hpp"
 #include "sample_sequence.hpp"
 #include "surface_look.hpp"
@@ -87,33 +86,12 @@ Picture render_paths(const Mesh& mesh, const Camera& camera, RayEngine& engine, 
     const SurfaceLook look(mesh, camera.up);
     const Lighting lighting = fitting_lighting(mesh, camera, engine);
     LitPicture lit = trace_paths(mesh, look, lighting, camera, engine, settings);
+    constexpr std::uint32_t samples_with_variance = 4;
+    if (settings.denoised && settings.samples >= samples_with_variance) denoise(lit);
     const float exposure = fitting_exposure(lit.light, lit.is_surface);
     for (Vec3& pixel : lit.light.pixels())
         pixel = tone_mapped(pixel, exposure);
     return std::move(lit.light);
-}
-
-Picture render_heat(RenderMode mode, const Camera& camera, RayEngine& engine, const RenderSettings& settings,
-                    float heat_end) {
-    std::vector<float> values(std::size_t{settings.width} * settings.height);
-    std::vector<RayCounts> counts(values.size());
-    std::vector<Hit> hits(values.size());
-    const float share = 1.0f / static_cast<float>(settings.samples);
-    for (std::uint32_t sample = 0; sample < settings.samples; ++sample) {
-        settings.progress(static_cast<double>(sample) * static_cast<double>(share));
-        const std::vector<Ray> rays = pixel_rays(camera, settings, sample);
-        if (mode == RenderMode::heat_leaves) {
-            engine.visits(rays, counts);
-        } else {
-            engine.closest(rays, hits, counts);
-        }
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            const std::uint32_t visited =
-                counts[i].leaves + (mode == RenderMode::heat_leaves ? 0 : counts[i].inner_nodes);
-            values[i] += static_cast<float>(visited) * share;
-        }
-    }
-    return heat_map(values, settings.width, settings.height, heat_end);
 }
 
 }  // namespace
@@ -129,16 +107,36 @@ std::optional<RenderMode> render_mode_from(std::string_view name) {
 }
 
 std::uint32_t usual_samples(RenderMode mode) {
-    if (mode == RenderMode::heat_nodes || mode == RenderMode::heat_leaves) return 1;
+    if (shows_heat(mode)) return 1;
     return mode == RenderMode::normal ? 4 : 16;
 }
 
 Picture render(RenderMode mode, const Mesh& mesh, const Camera& camera, RayEngine& engine,
-               const RenderSettings& settings, float heat_end) {
+               const RenderSettings& settings) {
     if (mode == RenderMode::normal) return render_normals(mesh, camera, engine, settings);
     if (mode == RenderMode::ao) return render_occlusion(mesh, camera, engine, settings);
-    if (mode == RenderMode::path) return render_paths(mesh, camera, engine, settings);
-    return render_heat(mode, camera, engine, settings, heat_end);
+    return render_paths(mesh, camera, engine, settings);
+}
+
+std::vector<float> measure_heat(RenderMode mode, const Camera& camera, RayEngine& engine,
+                                const RenderSettings& settings) {
+    std::vector<float> values(std::size_t{settings.width} * settings.height);
+    std::vector<RayCounts> counts(values.size());
+    std::vector<Hit> hits(values.size());
+    const float share = 1.0f / static_cast<float>(settings.samples);
+    for (std::uint32_t sample = 0; sample < settings.samples; ++sample) {
+        settings.progress(static_cast<double>(sample) * static_cast<double>(share));
+        const std::vector<Ray> rays = pixel_rays(camera, settings, sample);
+        const bool leaves_only = mode == RenderMode::heat_leaves;
+        if (leaves_only) {
+            engine.visits(rays, counts);
+        } else {
+            engine.closest(rays, hits, counts);
+        }
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i] += share * static_cast<float>(counts[i].leaves + (leaves_only ? 0 : counts[i].inner_nodes));
+    }
+    return values;
 }
 
 }  // namespace clbvh::tool

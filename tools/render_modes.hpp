@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "path_tracer.hpp"
 #include "picture.hpp"
@@ -27,8 +28,17 @@ enum class RenderMode : std::uint8_t {
 /// Samples of a pixel where nobody says otherwise.
 [[nodiscard]] std::uint32_t usual_samples(RenderMode mode);
 
-/// The picture, 0 to 1 in sRGB. `heat_end` is heat_map()'s.
+/// True for pictures of what a tree costs; all others do not depend on the tree.
+[[nodiscard]] constexpr bool shows_heat(RenderMode mode) {
+    return mode == RenderMode::heat_nodes || mode == RenderMode::heat_leaves;
+}
+
+/// The picture in a mode that shows no heat, 0 to 1 in sRGB.
 [[nodiscard]] Picture render(RenderMode mode, const Mesh& mesh, const Camera& camera, RayEngine& engine,
-                             const RenderSettings& settings, float heat_end);
+                             const RenderSettings& settings);
+
+/// The visits at each pixel in a mode that shows heat, for heat_map().
+[[nodiscard]] std::vector<float> measure_heat(RenderMode mode, const Camera& camera, RayEngine& engine,
+                                              const RenderSettings& settings);
 
 }  // namespace clbvh::tool

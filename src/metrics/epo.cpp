@@ -11,6 +11,7 @@
 #include "metrics/check_costs.hpp"
 #include "metrics/leaf_order.hpp"
 #include "metrics/node_cost.hpp"
+#include "metrics/subtree_sums.hpp"
 #include "metrics/surface.hpp"
 
 namespace clbvh {
@@ -32,7 +33,7 @@ struct Sums {
 class OverlapSum {
 public:
     OverlapSum(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs)
-        : bvh_(bvh), mesh_(mesh), costs_(costs), order_(bvh, mesh.triangles.size()) {}
+        : bvh_(bvh), mesh_(mesh), costs_(costs), order_(bvh, mesh.triangles.size()), sums_(bvh, order_, costs) {}
 
     [[nodiscard]] std::size_t chunk_count() const { return (order_.reference_count() + kChunk - 1) / kChunk; }
 
@@ -64,6 +65,10 @@ private:
             const Node& node = bvh_.nodes[index];
             if (!touch(node.bounds(), surface.bounds())) continue;
             if (!has_one_in(references, order_.below(index))) {
+                if (is_within(surface.bounds(), sums_.core(index))) {
+                    extra += sums_.cost(index) * surface.area();
+                    continue;
+                }
                 const double area = surface.area_within(node.bounds());
                 if (area == 0.0) continue;  // and none in any box within this one
                 extra += node_cost(node, costs_) * area;
@@ -79,6 +84,7 @@ private:
     const Mesh& mesh_;
     SahCosts costs_;
     LeafOrder order_;
+    SubtreeSums sums_;
 };
 
 void tell(const ProgressCallback& progress, double fraction) {

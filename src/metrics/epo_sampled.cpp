@@ -13,6 +13,7 @@
 #include "metrics/check_costs.hpp"
 #include "metrics/leaf_order.hpp"
 #include "metrics/node_cost.hpp"
+#include "metrics/subtree_sums.hpp"
 #include "metrics/surface.hpp"
 
 namespace clbvh {
@@ -26,11 +27,9 @@ double unit(Random& random) {
     return static_cast<double>(random.bits() >> 11) * 0x1p-53;
 }
 
-bool contains(const Node& node, const Surface::Point& point) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (!(node.lower[axis] <= point[axis] && point[axis] <= node.upper[axis])) return false;
-    }
-    return true;
+bool contains(const Aabb& box, const Surface::Point& point) {
+    return box.lower.x <= point[0] && point[0] <= box.upper.x && box.lower.y <= point[1] && point[1] <= box.upper.y &&
+           box.lower.z <= point[2] && point[2] <= box.upper.z;
 }
 
 /// Sums over samples.
@@ -42,7 +41,7 @@ struct Moments {
 class Sampler {
 public:
     Sampler(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs)
-        : bvh_(bvh), mesh_(mesh), costs_(costs), order_(bvh, mesh.triangles.size()) {
+        : bvh_(bvh), mesh_(mesh), costs_(costs), order_(bvh, mesh.triangles.size()), sums_(bvh, order_, costs) {
         double area = 0.0;
         areas_.reserve(order_.reference_count());
         for (std::size_t reference = 0; reference < order_.reference_count(); ++reference) {
@@ -91,8 +90,14 @@ private:
             const std::uint32_t index = stack.back();
             stack.pop_back();
             const Node& node = bvh_.nodes[index];
-            if (!contains(node, point)) continue;
-            if (!has_one_in(references, order_.below(index))) cost += node_cost(node, costs_);
+            if (!contains(node.bounds(), point)) continue;
+            if (!has_one_in(references, order_.below(index))) {
+                if (contains(sums_.core(index), point)) {
+                    cost += sums_.cost(index);
+                    continue;
+                }
+                cost += node_cost(node, costs_);
+            }
             if (node.is_leaf()) continue;
             stack.push_back(node.first + 1);
             stack.push_back(node.first);
@@ -104,6 +109,7 @@ private:
     const Mesh& mesh_;
     SahCosts costs_;
     LeafOrder order_;
+    SubtreeSums sums_;
     std::vector<double> areas_;  ///< Of all triangles up to and with the one of each reference.
 };
 

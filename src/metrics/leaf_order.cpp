@@ -40,7 +40,6 @@ LeafOrder::LeafOrder(const Bvh& bvh, std::uint64_t triangle_count) {
 void LeafOrder::number_references(const Bvh& bvh, std::uint64_t triangle_count) {
     ranges_.resize(bvh.nodes.size());
     std::vector<bool> is_met(bvh.nodes.size(), false);
-    std::vector<std::uint32_t> order;
     std::vector<std::uint32_t> stack;
     if (!bvh.empty()) stack.push_back(0);
     while (!stack.empty()) {
@@ -49,7 +48,7 @@ void LeafOrder::number_references(const Bvh& bvh, std::uint64_t triangle_count) 
         if (is_met[index]) refuse(index, "it has two parents, or is its own ancestor");
         is_met[index] = true;
         check_node(bvh, index, triangle_count);
-        order.push_back(index);
+        nodes_.push_back(index);
         const Node& node = bvh.nodes[index];
         ranges_[index].begin = static_cast<std::uint32_t>(triangles_.size());
         if (node.is_leaf()) {
@@ -62,7 +61,7 @@ void LeafOrder::number_references(const Bvh& bvh, std::uint64_t triangle_count) 
         }
     }
     // Children come behind their parent, the second one's subtree last.
-    for (auto index = order.rbegin(); index != order.rend(); ++index) {
+    for (auto index = nodes_.rbegin(); index != nodes_.rend(); ++index) {
         const Node& node = bvh.nodes[*index];
         ranges_[*index].end = node.is_leaf() ? ranges_[*index].begin + node.count : ranges_[node.first + 1].end;
     }

@@ -23,6 +23,8 @@ public:
     /// of range, or a node with two ways to it.
     LeafOrder(const Bvh& bvh, std::uint64_t triangle_count);
 
+    /// The nodes as the walk meets them: parents before their children.
+    [[nodiscard]] std::span<const std::uint32_t> nodes() const noexcept { return nodes_; }
     [[nodiscard]] std::size_t reference_count() const noexcept { return triangles_.size(); }
     /// The triangle of a reference.
     [[nodiscard]] std::uint32_t triangle(std::size_t reference) const noexcept { return triangles_[reference]; }
@@ -37,6 +39,7 @@ private:
     void number_references(const Bvh& bvh, std::uint64_t triangle_count);
     void list_references(std::uint64_t triangle_count);
 
+    std::vector<std::uint32_t> nodes_;
     std::vector<Range> ranges_;
     std::vector<std::uint32_t> triangles_;
     std::vector<std::uint64_t> begins_;

@@ -83,7 +83,7 @@ Surface::Surface(const Mesh& mesh, std::uint32_t triangle) noexcept : bounds_(tr
 
 double Surface::area_within(const Aabb& box) const noexcept {
     if (!touch(bounds_, box)) return 0.0;
-    if (merge(box, bounds_) == box) return area_;
+    if (is_within(bounds_, box)) return area_;
     const Point lower = to_point(box.lower);
     const Point upper = to_point(box.upper);
     const Point own_lower = to_point(bounds_.lower);

@@ -33,4 +33,9 @@ private:
            a.lower.z <= b.upper.z && b.lower.z <= a.upper.z;
 }
 
+/// True where `inner` has no point that `outer` has not.
+[[nodiscard]] constexpr bool is_within(const Aabb& inner, const Aabb& outer) noexcept {
+    return merge(inner, outer) == outer;
+}
+
 }  // namespace clbvh

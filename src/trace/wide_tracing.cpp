@@ -61,6 +61,8 @@ namespace portable {
 #define CLBVH_TRACE_LANES 1
 #include "trace/wide_lanes.ipp"
 // Written in terms of the lanes.
+#include "trace/wide_triangles.ipp"
+// Written in terms of both.
 #include "trace/wide_tracing.ipp"
 #undef CLBVH_TRACE_LANES
 }  // namespace portable
@@ -70,6 +72,8 @@ namespace sse2 {
 #define CLBVH_TRACE_LANES 4
 #include "trace/wide_lanes.ipp"
 // Written in terms of the lanes.
+#include "trace/wide_triangles.ipp"
+// Written in terms of both.
 #include "trace/wide_tracing.ipp"
 #undef CLBVH_TRACE_LANES
 }  // namespace sse2
@@ -83,6 +87,8 @@ namespace avx2 {
 #define CLBVH_TRACE_LANES 8
 #include "trace/wide_lanes.ipp"
 // Written in terms of the lanes.
+#include "trace/wide_triangles.ipp"
+// Written in terms of both.
 #include "trace/wide_tracing.ipp"
 #undef CLBVH_TRACE_LANES
 }  // namespace avx2

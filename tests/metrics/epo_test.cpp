@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "clbvh/io/scene.hpp"
+#include "clbvh/metrics/tree_shape.hpp"
 #include "support/builders.hpp"
 #include "support/epo_oracle.hpp"
 #include "support/expect_error.hpp"
@@ -212,6 +213,19 @@ TEST_CASE("samples come as close to EPO as their error says") {
     const Estimate few = end_point_overlap_sampled(bvh, mesh, 1000);
     const Estimate many = end_point_overlap_sampled(bvh, mesh, 100000);
     CHECK(few.standard_error / many.standard_error == Approx(10.0).epsilon(0.2));
+}
+
+TEST_CASE("very many triangles with the same box are no trouble") {
+    const std::size_t count = 200000;
+    const Mesh mesh = coincident_triangles(count);
+    const Bvh bvh = Builder("locally-ordered").build(mesh);
+    // Every node holds all triangles, of which each is foreign to all nodes but those above it.
+    const double all_nodes = 1.2 * static_cast<double>(count - 1) + static_cast<double>(count);
+    const TreeShape shape = tree_shape(bvh);
+    REQUIRE(shape.leaves == count);
+    const double own = 1.2 * shape.mean_leaf_depth() + 1.0;
+    CHECK(end_point_overlap(bvh, mesh) == Approx(all_nodes - own).epsilon(1e-9));
+    CHECK(end_point_overlap_sampled(bvh, mesh, 1000).value == Approx(all_nodes - own).epsilon(1e-3));
 }
 
 TEST_CASE("a tree as deep as it is large is no trouble") {

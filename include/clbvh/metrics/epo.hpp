@@ -13,17 +13,17 @@ namespace clbvh {
 /// though its triangle is in none of their leaves. Rays begin and end on surfaces, and have to visit such nodes in
 /// vain.
 ///
-/// Aila, Karras, Laine 2013, equation 3: the sum over all nodes n of C_n A((S \ Q(n)) n n) / A(S), where S are all
-/// triangles, Q(n) those that a leaf below n names, and A(...) the area of the others' parts in n's box, faces
+/// Aila, Karras, Laine 2013, equation 3: the sum over all nodes n of C_n A((S without Q(n)) within n) / A(S), where S
+/// are all triangles, Q(n) those that a leaf below n names, and A(...) the area of the others' parts in n's box, faces
 /// included. C_n is C_inner, or C_primitive |leaf|. 0 where no node's box holds another's triangles, and lower is
 /// better. A triangle that was split belongs, whole, to every node above each leaf that names it.
 ///
 /// Exact but for rounding in double precision: each triangle goes down the tree and is clipped against the boxes that
 /// it meets. In parallel, with the same result on any number of threads; time grows with the number of boxes that
-/// triangles meet, about n log n for the trees that builders make, n^2 at worst. An empty tree, or a scene without
-/// area, has none. Throws Error(invalid_input) for a negative or non-finite cost, for a mesh that check_mesh refuses
-/// and for a tree that is none over the mesh, Error(cancelled) where `progress` says so; it is called on the calling
-/// thread, with the stage "epo".
+/// triangles meet: about n log n over most scenes, up to n^2 where each meets a share of all (long thin triangles
+/// across the axes). An empty tree, or a scene without area, has none. Throws Error(invalid_input) for a negative or
+/// non-finite cost, for a mesh that check_mesh refuses and for a tree that is none over the mesh, Error(cancelled)
+/// where `progress` says so; it is called on the calling thread, with the stage "epo".
 [[nodiscard]] double end_point_overlap(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs = {},
                                        const ProgressCallback& progress = {});
 

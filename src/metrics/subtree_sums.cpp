@@ -1,0 +1,30 @@
+#include "metrics/subtree_sums.hpp"
+
+#include <ranges>
+
+#include "metrics/node_cost.hpp"
+
+namespace clbvh {
+namespace {
+
+Aabb intersection(const Aabb& a, const Aabb& b) {
+    return {max(a.lower, b.lower), min(a.upper, b.upper)};
+}
+
+}  // namespace
+
+SubtreeSums::SubtreeSums(const Bvh& bvh, const LeafOrder& order, const SahCosts& costs) : sums_(bvh.nodes.size()) {
+    // Children come behind their parents in the walk.
+    for (const std::uint32_t index : std::views::reverse(order.nodes())) {
+        const Node& node = bvh.nodes[index];
+        Sum& sum = sums_[index];
+        sum = {node.bounds(), node_cost(node, costs)};
+        if (node.is_leaf()) continue;
+        for (const std::uint32_t child : {node.first, node.first + 1}) {
+            sum.core = intersection(sum.core, sums_[child].core);
+            sum.cost += sums_[child].cost;
+        }
+    }
+}
+
+}  // namespace clbvh
