@@ -19,6 +19,7 @@ namespace {
 using device::BatchJob;
 using device::BatchPlan;
 using device::CallerMemory;
+using device::KeptBuffer;
 using device::Session;
 
 device::BuildSettings resolve_batch_settings(const BuildOptions& options, Session& session) {
@@ -32,23 +33,6 @@ device::BuildSettings resolve_batch_settings(const BuildOptions& options, Sessio
     session.prepare({std::span(&program, 1)});
     return settings;
 }
-
-/// A buffer that stays for the next batch, where it is large enough.
-class KeptBuffer {
-public:
-    const cl::Buffer& reserve(const Session& session, std::uint64_t bytes) {
-        if (buffer_() == nullptr || bytes > bytes_) {
-            buffer_ = {};
-            buffer_ = device::allocate_buffer(session, bytes);
-            bytes_ = bytes;
-        }
-        return buffer_;
-    }
-
-private:
-    cl::Buffer buffer_;
-    std::uint64_t bytes_ = 0;
-};
 
 /// Where each mesh's part of the arrays begins.
 struct Placement {

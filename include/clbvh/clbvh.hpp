@@ -15,6 +15,7 @@
 #include "clbvh/device/context.hpp"
 #include "clbvh/device/device.hpp"
 #include "clbvh/device/device_builder.hpp"
+#include "clbvh/device/device_tracer.hpp"
 #include "clbvh/host/aac.hpp"
 #include "clbvh/host/binned_sah.hpp"
 #include "clbvh/host/collapse.hpp"

@@ -73,10 +73,11 @@ void check_queue(const Session& session, cl_command_queue queue) {
     if (queue == nullptr) throw Error(ErrorCode::invalid_input, "the queue is null");
     const cl::CommandQueue given(queue, true);
     if (given.getInfo<CL_QUEUE_CONTEXT>()() != session.context()()) {
-        throw Error(ErrorCode::invalid_input, "the queue belongs to another OpenCL context than the builder");
+        throw Error(ErrorCode::invalid_input, "the queue belongs to another OpenCL context than the kernels");
     }
     if (given.getInfo<CL_QUEUE_DEVICE>()() != session.info().id) {
-        throw Error(ErrorCode::invalid_input, "the queue is not one of the builder's device, " + session.info().name);
+        throw Error(ErrorCode::invalid_input,
+                    "the queue is not one of the device that the kernels are for, " + session.info().name);
     }
 }
 

@@ -1,5 +1,6 @@
 #include "device/caller_memory.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "clbvh/core/error.hpp"
@@ -18,14 +19,14 @@ Block place_of(const cl::Buffer& buffer, std::uint64_t offset) {
 }
 
 // The widest vector that kernels load and store, where the processor may insist on its alignment.
-constexpr std::uintptr_t kVectorBytes = 64;
+constexpr std::uint64_t kVectorBytes = 64;
 
 // Devices with memory of their own lay it out as they must; the caller's stays where it is.
-bool is_vector_aligned(const CallerMemory& memory) {
+bool lies_aligned(const CallerMemory& memory, std::uint64_t bytes) {
     const cl::Buffer& buffer = memory.place.buffer;
     if ((buffer.getInfo<CL_MEM_FLAGS>() & CL_MEM_USE_HOST_PTR) == 0) return true;
     const auto address = reinterpret_cast<std::uintptr_t>(buffer.getInfo<CL_MEM_HOST_PTR>());
-    return (address + memory.place.offset) % kVectorBytes == 0;
+    return (address + memory.place.offset) % bytes == 0;
 }
 
 bool have_common_bytes(const CallerMemory& a, const CallerMemory& b) {
@@ -45,7 +46,7 @@ CallerMemory look_at(const Session& session, std::string_view name, const Device
         memory.bytes = bytes;
         if (memory.buffer.getInfo<CL_MEM_TYPE>() != CL_MEM_OBJECT_BUFFER) refuse(name, "is an image, not a buffer");
         if (memory.buffer.getInfo<CL_MEM_CONTEXT>()() != session.context()()) {
-            refuse(name, "belongs to another OpenCL context than the builder");
+            refuse(name, "belongs to another OpenCL context than the kernels");
         }
         const std::uint64_t size = memory.buffer.getInfo<CL_MEM_SIZE>();
         if (span.offset > size || bytes > size - span.offset) {
@@ -59,20 +60,27 @@ CallerMemory look_at(const Session& session, std::string_view name, const Device
     });
 }
 
-void check_views_allowed(const CallerMemory& memory, std::uint64_t alignment) {
+void check_read_write(const CallerMemory& memory) {
     if (!memory.is_read_write) {
         refuse(memory.name, "must be a buffer with CL_MEM_READ_WRITE: kernels do both");
     }
+}
+
+void check_aligned(const CallerMemory& memory, std::uint64_t alignment) {
     if (memory.place.offset % alignment != 0) {
         refuse(memory.name, "begins " + std::to_string(memory.place.offset) +
-                                " bytes into its memory, but must at a "
-                                "multiple of " +
-                                std::to_string(alignment));
+                                " bytes into its memory, but must at a multiple of " + std::to_string(alignment));
     }
-    if (!is_vector_aligned(memory)) {
+    const std::uint64_t host_alignment = std::min(alignment, kVectorBytes);
+    if (!lies_aligned(memory, host_alignment)) {
         refuse(memory.name, "lies in host memory (CL_MEM_USE_HOST_PTR) that must be aligned to " +
-                                std::to_string(kVectorBytes) + " bytes");
+                                std::to_string(host_alignment) + " bytes");
     }
+}
+
+void check_views_allowed(const CallerMemory& memory, std::uint64_t alignment) {
+    check_read_write(memory);
+    check_aligned(memory, alignment);
 }
 
 void check_multiple(std::string_view what, std::uint64_t value, std::uint64_t least, std::uint64_t step) {

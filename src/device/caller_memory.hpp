@@ -23,7 +23,13 @@ struct CallerMemory {
 [[nodiscard]] CallerMemory look_at(const Session& session, std::string_view name, const DeviceSpan& span,
                                    std::uint64_t bytes);
 
-/// Throws Error(invalid_input) where kernels may not both read and write the memory, or where no view can be cut there.
+/// Throws Error(invalid_input) where kernels may not both read and write the memory.
+void check_read_write(const CallerMemory& memory);
+
+/// Throws Error(invalid_input) where the memory does not begin at a multiple of `alignment`, a power of two.
+void check_aligned(const CallerMemory& memory, std::uint64_t alignment);
+
+/// Both: what cutting views out of the memory takes.
 void check_views_allowed(const CallerMemory& memory, std::uint64_t alignment);
 
 /// Throws Error(invalid_input) where `value`, called `what`, is below `least` or no multiple of `step`.

@@ -28,4 +28,13 @@ cl::Buffer allocate_buffer(const Session& session, std::uint64_t bytes) {
     return {session.context(), CL_MEM_READ_WRITE, bytes};
 }
 
+const cl::Buffer& KeptBuffer::reserve(const Session& session, std::uint64_t bytes) {
+    if (buffer_() == nullptr || bytes > bytes_) {
+        release();  // old and new are never alive together
+        buffer_ = allocate_buffer(session, bytes);
+        bytes_ = bytes;
+    }
+    return buffer_;
+}
+
 }  // namespace clbvh::device

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "clbvh/core/bvh.hpp"
+#include "clbvh/core/mesh.hpp"
 #include "clbvh/core/ray.hpp"
 #include "clbvh/trace/box_tests.hpp"
 #include "trace/triangle_tests.hpp"
@@ -19,6 +21,9 @@ struct LeafTriangle {
     TriangleVertices vertices;
     std::uint32_t primitive;
 };
+
+/// The triangles of `mesh` in the order of the tree's primitive ids, which are in range.
+[[nodiscard]] std::vector<LeafTriangle> copy_triangles(const Bvh& bvh, const Mesh& mesh);
 
 /// Whether `hit` is the closest so far; a hit that is none counts as infinitely far.
 [[nodiscard]] inline bool is_closer(float t, std::uint32_t primitive, const Hit& hit) noexcept {
@@ -128,7 +133,8 @@ public:
     /// Ordered by t, then by primitive; each primitive once.
     [[nodiscard]] std::vector<Hit> take_hits() {
         std::ranges::sort(hits_, [](const Hit& a, const Hit& b) { return is_closer(a.t, a.primitive, b); });
-        hits_.erase(std::ranges::unique(hits_, {}, &Hit::primitive).begin(), hits_.end());
+        const auto is_same = [](const Hit& a, const Hit& b) { return a.primitive == b.primitive; };
+        hits_.erase(std::unique(hits_.begin(), hits_.end(), is_same), hits_.end());
         return std::move(hits_);
     }
 

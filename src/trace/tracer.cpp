@@ -25,16 +25,6 @@ using namespace trace;
 /// Rays of one task of the calls for many.
 constexpr std::size_t kRaysPerTask = 256;
 
-std::vector<LeafTriangle> copy_triangles(const Bvh& bvh, const Mesh& mesh) {
-    std::vector<LeafTriangle> triangles;
-    triangles.reserve(bvh.primitive_ids.size());
-    for (const std::uint32_t primitive : bvh.primitive_ids) {
-        const Triangle& t = mesh.triangles[primitive];
-        triangles.push_back({{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, primitive});
-    }
-    return triangles;
-}
-
 int arena_size(const TracerOptions& options) {
     if (options.thread_count == 0) return tbb::task_arena::automatic;
     check_range("thread_count", options.thread_count, 1, 1024);
@@ -55,7 +45,7 @@ struct Tracer::State {
           arena(arena_size(options)),
           depth(check_tree(bvh, mesh)),
           nodes(bvh.nodes),
-          triangles(copy_triangles(bvh, mesh)),
+          triangles(arena.execute([&] { return copy_triangles(bvh, mesh); })),
           wide_tree(make_wide_tree(nodes, triangles)),
           wide(wide_tracing(best_instruction_set(), options.triangle_test)) {}
 

@@ -44,10 +44,25 @@ private:
     DeferredChild* entries_ = few_.data();
 };
 
+/// Asks for all of a node or block that will be visited, unless it gets out of the ray's reach until then.
+inline void prefetch([[maybe_unused]] const WideTree& tree, [[maybe_unused]] std::uint32_t child) noexcept {
+#if defined(__GNUC__)
+    constexpr std::size_t line = 64;
+    const bool is_leaf = (child & kLeafFlag) != 0;
+    const auto* const begin = is_leaf ? reinterpret_cast<const char*>(&tree.blocks[child & ~kLeafFlag])
+                                      : reinterpret_cast<const char*>(&tree.nodes[child]);
+    const std::size_t bytes = is_leaf ? sizeof(TriangleBlock) : sizeof(WideNode);
+    for (std::size_t offset = 0; offset < bytes; offset += line)
+        __builtin_prefetch(begin + offset);
+#endif
+}
+
 namespace portable {
 #define CLBVH_TRACE_LANES 1
 #include "trace/wide_lanes.ipp"
 // Written in terms of the lanes.
+#include "trace/wide_triangles.ipp"
+// Written in terms of both.
 #include "trace/wide_tracing.ipp"
 #undef CLBVH_TRACE_LANES
 }  // namespace portable
@@ -57,6 +72,8 @@ namespace sse2 {
 #define CLBVH_TRACE_LANES 4
 #include "trace/wide_lanes.ipp"
 // Written in terms of the lanes.
+#include "trace/wide_triangles.ipp"
+// Written in terms of both.
 #include "trace/wide_tracing.ipp"
 #undef CLBVH_TRACE_LANES
 }  // namespace sse2
@@ -70,6 +87,8 @@ namespace avx2 {
 #define CLBVH_TRACE_LANES 8
 #include "trace/wide_lanes.ipp"
 // Written in terms of the lanes.
+#include "trace/wide_triangles.ipp"
+// Written in terms of both.
 #include "trace/wide_tracing.ipp"
 #undef CLBVH_TRACE_LANES
 }  // namespace avx2
@@ -79,23 +98,16 @@ namespace avx2 {
 }  // namespace
 
 bool is_available(InstructionSet set) noexcept {
-    switch (set) {
-        case InstructionSet::portable: return true;
-        case InstructionSet::sse2:
-#if defined(CLBVH_TRACE_HAS_SSE2)
-            return true;
-#else
-            return false;
-#endif
-        case InstructionSet::avx2:
 #if defined(CLBVH_TRACE_HAS_AVX2)
-            return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-                   __builtin_cpu_supports("lzcnt");
-#else
-            return false;
-#endif
+    if (set == InstructionSet::avx2) {
+        return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
+               __builtin_cpu_supports("lzcnt");
     }
-    return false;
+#endif
+#if defined(CLBVH_TRACE_HAS_SSE2)
+    if (set == InstructionSet::sse2) return true;
+#endif
+    return set == InstructionSet::portable;
 }
 
 InstructionSet best_instruction_set() noexcept {

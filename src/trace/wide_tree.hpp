@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
+#include "trace/huge_page_array.hpp"
 #include "trace/leaf_triangles.hpp"
 
 namespace clbvh::trace {
@@ -49,8 +50,8 @@ static_assert(sizeof(TriangleBlock) == 160);
 /// where that joins smaller ones. Boxes are those of the binary tree's nodes, so a ray meets all triangles that it may
 /// hit through that tree.
 struct WideTree {
-    std::vector<WideNode> nodes;  ///< The root is the first; empty for an empty tree.
-    std::vector<TriangleBlock> blocks;
+    HugePageArray<WideNode> nodes;  ///< The root is the first; empty for an empty tree.
+    HugePageArray<TriangleBlock> blocks;
     std::uint32_t depth = 0;  ///< Nodes on the longest path.
 };
 

@@ -99,7 +99,7 @@ std::size_t count_escapes(const Mesh& mesh, const char* builder, std::size_t cou
             const Vec3 to = target_on(mesh, triangle, static_cast<std::uint32_t>(count % 4), random);
             Vec3 direction{to.x - origin.x, to.y - origin.y, to.z - origin.z};
             Vec3 from = origin;
-            if (count % 8 == 7) {
+            if (count / 4 % 8 == 7) {
                 // Through the target as exactly as floats can say, if the line begins inside.
                 direction = {0.0f, -0.0f, random.below(2) == 0 ? 1.0f : -1.0f};
                 from = {to.x, to.y, origin.z};

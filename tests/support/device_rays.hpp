@@ -1,0 +1,39 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "clbvh/device/device_tracer.hpp"
+#include "device/opencl.hpp"
+
+namespace clbvh::test {
+
+/// What tracing rays needs in memory of the shared context, with guard bytes around what the tracer writes.
+class DeviceRayMemory {
+public:
+    DeviceRayMemory(const DeviceTracer& tracer, const DeviceBvh& bvh, std::span<const Ray> rays);
+
+    /// Where the rays, their hits and counts are.
+    [[nodiscard]] DeviceRays rays() const;
+    /// Where a copy of the scene's triangles may be made.
+    [[nodiscard]] DeviceSpan leaf_triangles() const { return leaf_triangles_.span; }
+
+    [[nodiscard]] std::vector<Hit> hits() const;
+    [[nodiscard]] std::vector<std::uint8_t> bytes() const;
+    [[nodiscard]] std::vector<RayCounts> counts() const;
+    [[nodiscard]] bool guards_are_whole() const;
+
+private:
+    struct Guarded {
+        cl::Buffer buffer;
+        std::uint64_t bytes = 0;
+        DeviceSpan span;
+    };
+    static Guarded make_guarded(std::uint64_t bytes);
+
+    std::uint32_t count_;
+    cl::Buffer rays_;
+    Guarded results_, counts_, scratch_, leaf_triangles_;
+};
+
+}  // namespace clbvh::test
