@@ -5,7 +5,7 @@
 build_packages=(
     g++ cmake ninja-build pkg-config
     ocl-icd-opencl-dev opencl-clhpp-headers pocl-opencl-icd clinfo
-    libtbb-dev libtinyobjloader-dev libassimp-dev zlib1g-dev libxxhash-dev libcli11-dev libfmt-dev nlohmann-json3-dev libembree-dev
+    libtbb-dev libtinyobjloader-dev libassimp-dev zlib1g-dev libxxhash-dev libcli11-dev libfmt-dev nlohmann-json3-dev libstb-dev libembree-dev
 )
 test_packages=(catch2 oclgrind)
 

@@ -71,7 +71,7 @@ public:
         scene_.bvh = clbvh::DeviceBvh::of(tree_, count);
 
         const clbvh::DeviceTraceSizes trace_sizes = tracer_.sizes(scene_.bvh);
-        scene_.leaf_triangles = make_buffer(trace_sizes.leaf_triangles);
+        scene_.copy = make_buffer(trace_sizes.copy);
         rays_.count = kWidth * kHeight;
         rays_.rays = make_buffer(rays_.count * sizeof(clbvh::Ray));
         rays_.results = make_buffer(rays_.count * sizeof(clbvh::Hit));
@@ -90,7 +90,7 @@ public:
     void enqueue(float time) {
         write(scene_.triangles.vertices, surface(time).vertices);
         builder_.enqueue(queue_, scene_.triangles, build_scratch_, tree_);
-        tracer_.enqueue_leaf_triangles(queue_, scene_);
+        tracer_.enqueue_copy(queue_, scene_);
         tracer_.enqueue_closest(queue_, scene_, rays_);
     }
 

@@ -2,16 +2,22 @@
 //
 //   in     nodes [node_count]; primitive ids and a mesh (input.clh), or leaf rows (leaf_triangle.clh);
 //          rays [ray_count] (ray.clh)
-//   inout  control [2]: the next rays to be taken (TRACE_PERSISTENT), and how many rays were left
+//   inout  control [4]: the next rays to be taken (TRACE_PERSISTENT), how many rays were left, whether rays go through
+//          eight children
 //   out    results: Hit, or for any hit uchar (0 or 1) [ray_count]; counts [ray_count] where has_counts
 //
-// begin_trace     clears control; one group
+// begin_trace, begin_wide_trace
+//   set control; one group. The latter asks the header of a wide tree whether there is one.
 // leaf_triangles  out leaf rows [3 * reference_count]; a group for BLOCK_RAYS references
 // trace_closest, trace_any
 //   launch groups for BLOCK_RAYS rays each; or with TRACE_PERSISTENT any number of groups, whose items come back for
 //          more until no rays are left
-// wide_closest, wide_any
-//   the same through a tree of eight children (wide_tree.clh); a group for each BLOCK_RAYS rays
+// wide_closest, wide_any (lane shape)
+//   the same through a tree of eight children (wide_tree.clh), where there is one: then those above do nothing
+// widen_top, widen_rest (lane shape)
+//   in     nodes and triangles
+//   out    the header, nodes and blocks of a wide tree (widen.clh)
+//   launch one work item, then any number
 // deep_closest, deep_any
 //   trace the rays that were left since they overflowed the private stack, and do nothing where there are none
 //   scratch deep_stack [deep_items * deep_capacity], deep_capacity no less than the tree has sibling pairs
@@ -26,6 +32,7 @@
 #include "trace_ray.clh"
 #if LANE_SHAPE
 #include "wide_tree.clh"
+#include "widen.clh"
 #endif
 
 #ifndef BLOCK_RAYS
@@ -37,6 +44,7 @@
 
 #define NEXT_BLOCK 0
 #define LEFT_RAYS 1
+#define GOES_WIDE 2
 
 // The result of a ray that was left.
 #define LEFT_PRIMITIVE (NO_PRIMITIVE - 1)
@@ -149,6 +157,7 @@ static inline void trace_left(Scene scene, global const float4* rays, uint ray_c
     KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS) {                                    \
         const Scene scene = SCENE;                                                        \
         RAYS(is_any);                                                                     \
+        if (control[GOES_WIDE]) return;                                                   \
         const size_t begin = BLOCK_RAYS * get_group_id(0);                                \
         const size_t end = min(begin + BLOCK_RAYS, (size_t)ray_count);                    \
         trace_rays(scene, rays, begin + LOCAL_ID, end, WORK_GROUP_SIZE, output, control); \
@@ -170,27 +179,52 @@ DEFINE_TRACE(trace_any, 1)
 DEFINE_DEEP_TRACE(deep_closest, 0)
 DEFINE_DEEP_TRACE(deep_any, 1)
 
+KERNEL void begin_trace(global uchar* control_buffer, ulong control_offset) {
+    if (LOCAL_ID == 0) *AT(uint4, control_buffer, control_offset) = (uint4)(0, 0, 0, 0);
+}
+
 #if LANE_SHAPE
-#define DEFINE_WIDE_TRACE(name, is_any)                                                                      \
-    KERNEL void name(global const float* nodes, global const float* blocks, RAY_ARGUMENTS) {                 \
-        const WideScene scene = {nodes, blocks};                                                             \
-        RAYS(is_any);                                                                                        \
-        const size_t begin = BLOCK_RAYS * get_group_id(0);                                                   \
-        uint2 stack[WIDE_STACK];                                                                             \
-        for (size_t i = begin; i < min(begin + BLOCK_RAYS, (size_t)ray_count); ++i) {                        \
-            Hit hit;                                                                                         \
-            const int is_done = trace_wide_ray(scene, load_ray(rays, i), is_any, stack, &hit) == TRACE_DONE; \
-            store_or_leave(output, i, is_done, hit, no_counts(), control);                                   \
-        }                                                                                                    \
+#define WIDE_ARGUMENTS global uchar *wide, ulong header_offset, ulong wide_nodes_offset, ulong wide_blocks_offset
+
+KERNEL void begin_wide_trace(global uchar* control_buffer, ulong control_offset, WIDE_ARGUMENTS) {
+    *AT(uint4, control_buffer, control_offset) = (uint4)(0, 0, AT(uint, wide, header_offset)[HAS_WIDE_TREE], 0);
+}
+
+#define DEFINE_WIDE_TRACE(name, is_any)                                                                                \
+    KERNEL void name(WIDE_ARGUMENTS, RAY_ARGUMENTS) {                                                                  \
+        const WideScene scene = {AT(const float, wide, wide_nodes_offset), AT(const float, wide, wide_blocks_offset)}; \
+        RAYS(is_any);                                                                                                  \
+        if (!control[GOES_WIDE]) return;                                                                               \
+        const size_t begin = BLOCK_RAYS * get_group_id(0);                                                             \
+        uint2 stack[WIDE_STACK];                                                                                       \
+        for (size_t i = begin; i < min(begin + BLOCK_RAYS, (size_t)ray_count); ++i) {                                  \
+            Hit hit;                                                                                                   \
+            const int is_done = trace_wide_ray(scene, load_ray(rays, i), is_any, stack, &hit) == TRACE_DONE;           \
+            store_or_leave(output, i, is_done, hit, no_counts(), control);                                             \
+        }                                                                                                              \
     }
 
 DEFINE_WIDE_TRACE(wide_closest, 0)
 DEFINE_WIDE_TRACE(wide_any, 1)
-#endif
 
-KERNEL void begin_trace(global uchar* control_buffer, ulong control_offset) {
-    if (LOCAL_ID == 0) *AT(uint2, control_buffer, control_offset) = (uint2)(0, 0);
+#define WIDENING                                                                                                       \
+    {                                                                                                                  \
+        SCENE, AT(uint, wide, header_offset), AT(float, wide, wide_nodes_offset), AT(float, wide, wide_blocks_offset), \
+            node_capacity, block_capacity                                                                              \
+    }
+
+KERNEL void widen_top(SCENE_ARGUMENTS, WIDE_ARGUMENTS, uint node_capacity, uint block_capacity, uint most) {
+    const Widening widening = WIDENING;
+    widen_top_of(widening, most);
 }
+
+KERNEL void widen_rest(SCENE_ARGUMENTS, WIDE_ARGUMENTS, uint node_capacity, uint block_capacity) {
+    const Widening widening = WIDENING;
+    const uint end = widening.header[TOP_END];
+    for (uint node = widening.header[TOP_BEGIN] + get_global_id(0); node < end; node += get_global_size(0))
+        widen_below(widening, node);
+}
+#endif
 
 KERNEL void leaf_triangles(SCENE_ARGUMENTS, uint reference_count, global uchar* rows_buffer, ulong rows_offset) {
     const Scene scene = SCENE;

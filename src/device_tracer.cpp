@@ -10,7 +10,6 @@
 #include "device/host_scene.hpp"
 #include "device/trace.hpp"
 #include "trace/check_tree.hpp"
-#include "trace/wide_tree.hpp"
 
 namespace clbvh {
 namespace {
@@ -47,16 +46,15 @@ Block block_of(const CallerMemory& memory) {
 /// A scene of the caller's, looked at.
 struct CheckedScene {
     TraceScene scene;
-    CallerMemory nodes, primitive_ids, vertices, indices, leaf_triangles;
+    CallerMemory nodes, primitive_ids, vertices, indices, copy;
 
     void check_apart_from(const CallerMemory& written) const {
-        for (const CallerMemory& read : {nodes, primitive_ids, vertices, indices, leaf_triangles})
+        for (const CallerMemory& read : {nodes, primitive_ids, vertices, indices, copy})
             device::check_apart({written, read});
     }
 };
 
 void check_references(const Session& session, const DeviceScene& given, CheckedScene& checked) {
-    checked.scene.reference_count = given.bvh.reference_count;
     device::check_multiple("the primitive ids' offset", given.bvh.primitive_ids.offset, 0, sizeof(cl_uint));
     checked.primitive_ids = device::look_at(session, "the primitive ids", given.bvh.primitive_ids,
                                             sizeof(cl_uint) * std::uint64_t{given.bvh.reference_count});
@@ -67,23 +65,28 @@ void check_references(const Session& session, const DeviceScene& given, CheckedS
     checked.scene.mesh = input.mesh;
 }
 
-CallerMemory look_at_leaf_triangles(const Session& session, const DeviceScene& given) {
-    return look_at_array(session, "the leaf triangles", given.leaf_triangles,
-                         device::kLeafTriangleBytes * given.bvh.reference_count, kNodeAlignment);
+CallerMemory look_at_copy(const Session& session, const TraceSettings& settings, const DeviceScene& given) {
+    return look_at_array(session, "the copy", given.copy,
+                         device::plan_copy(settings, given.bvh.reference_count).bytes(), kNodeAlignment);
 }
 
-CheckedScene check_scene(const Session& session, const DeviceScene& given) {
-    CheckedScene checked;
-    if (given.bvh.node_count == 0) return checked;
+void check_nodes(const Session& session, const DeviceScene& given, CheckedScene& checked) {
     checked.scene.node_count = given.bvh.node_count;
+    checked.scene.reference_count = given.bvh.reference_count;
     checked.nodes = look_at_array(session, "the nodes", given.bvh.nodes,
                                   sizeof(Node) * std::uint64_t{given.bvh.node_count}, kNodeAlignment);
     checked.scene.nodes = block_of(checked.nodes);
-    if (given.leaf_triangles.buffer == nullptr) {
+}
+
+CheckedScene check_scene(const Session& session, const TraceSettings& settings, const DeviceScene& given) {
+    CheckedScene checked;
+    if (given.bvh.node_count == 0) return checked;
+    check_nodes(session, given, checked);
+    if (given.copy.buffer == nullptr) {
         check_references(session, given, checked);
     } else {
-        checked.leaf_triangles = look_at_leaf_triangles(session, given);
-        checked.scene.leaf_triangles = block_of(checked.leaf_triangles);
+        checked.copy = look_at_copy(session, settings, given);
+        checked.scene.copy = block_of(checked.copy);
     }
     return checked;
 }
@@ -120,14 +123,6 @@ TraceRays check_rays(const Session& session, const CheckedScene& scene, const De
     return checked;
 }
 
-/// On a processor eight boxes at a time are as fast as two, and leave half as many branches to guess.
-void add_wide_tree(Session& session, device::HostScene& scene, const Bvh& bvh, const Mesh& mesh) {
-    const std::vector<trace::LeafTriangle> triangles = trace::copy_triangles(bvh, mesh);
-    const trace::WideTree wide = trace::make_wide_tree(bvh.nodes, triangles);
-    scene.set_wide_tree(session, std::as_bytes(std::span(wide.nodes.data(), wide.nodes.size())),
-                        std::as_bytes(std::span(wide.blocks.data(), wide.blocks.size())));
-}
-
 void check_length(std::string_view name, std::size_t length, std::size_t rays) {
     if (length == rays) return;
     throw Error(ErrorCode::invalid_input, std::string(name) + " has room for " + std::to_string(length) +
@@ -148,7 +143,7 @@ struct DeviceTracer::State {
             Session& session = context.session();
             device::check_queue(session, queue);
             device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
-            const CheckedScene scene = check_scene(session, given);
+            const CheckedScene scene = check_scene(session, settings, given);
             if (rays.count > 0) {
                 device::launch_trace(launcher, settings, scene.scene, check_rays(session, scene, rays, any));
             }
@@ -176,22 +171,24 @@ DeviceTracer& DeviceTracer::operator=(DeviceTracer&&) noexcept = default;
 DeviceTracer::~DeviceTracer() = default;
 
 DeviceTraceSizes DeviceTracer::sizes(const DeviceBvh& bvh) const noexcept {
-    return {device::plan_trace(bvh.node_count).scratch_bytes(), device::kLeafTriangleBytes * bvh.reference_count};
+    return {device::plan_trace(bvh.node_count).scratch_bytes(),
+            device::plan_copy(state_->settings, bvh.reference_count).bytes()};
 }
 
-void DeviceTracer::enqueue_leaf_triangles(cl_command_queue queue, const DeviceScene& scene,
-                                          std::span<const cl_event> wait_list, cl_event* event) {
-    device::with_opencl_errors("enqueuing a copy of triangles", [&] {
+void DeviceTracer::enqueue_copy(cl_command_queue queue, const DeviceScene& scene, std::span<const cl_event> wait_list,
+                                cl_event* event) {
+    device::with_opencl_errors("enqueuing a copy of a scene", [&] {
         Session& session = state_->context.session();
         device::check_queue(session, queue);
         device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
-        if (scene.bvh.reference_count > 0) {
+        if (scene.bvh.reference_count > 0 && scene.bvh.node_count > 0) {
             CheckedScene checked;
+            check_nodes(session, scene, checked);
             check_references(session, scene, checked);
-            const CallerMemory out = look_at_leaf_triangles(session, scene);
+            const CallerMemory out = look_at_copy(session, state_->settings, scene);
             device::check_read_write(out);
             checked.check_apart_from(out);
-            device::launch_leaf_triangles(launcher, state_->settings, checked.scene, block_of(out));
+            device::launch_copy(launcher, state_->settings, checked.scene, block_of(out));
         }
         launcher.hand_over_end(event);
     });
@@ -212,7 +209,6 @@ void DeviceTracer::set_scene(const Bvh& bvh, const Mesh& mesh) {
         state_->host_scene.reset();
         static_cast<void>(trace::check_tree(bvh, mesh));
         state_->host_scene.emplace(state_->context.session(), state_->settings, bvh, mesh);
-        if (shape() == Shape::lane) add_wide_tree(state_->context.session(), *state_->host_scene, bvh, mesh);
     });
 }
 

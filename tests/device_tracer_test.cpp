@@ -108,14 +108,14 @@ std::vector<Ray> rays_for(const Mesh& mesh, std::size_t each = 100) {
     return rays;
 }
 
-/// A tree over big triangles at z = 0, 1, 2, ..., each the leaf beside all that are above it. A ray downwards keeps a
-/// leaf for later at every level; beyond x + y = 1 it visits all of them and hits none.
+/// A tree over big triangles at z = 0, 1, 2, ..., `each` of them at every z: a leaf beside all that are above it. A ray
+/// downwards keeps a leaf for later at every level; beyond x + y = 1 it visits all of them and hits none.
 struct Chain {
     Mesh mesh;
     Bvh bvh;
 
-    explicit Chain(std::uint32_t length) {
-        bvh.primitive_count = length;
+    explicit Chain(std::uint32_t length, std::uint32_t each = 1) {
+        bvh.primitive_count = std::uint64_t{length} * each;
         const auto box_from = [&](std::uint32_t begin, std::uint32_t end, std::uint32_t first, std::uint32_t count) {
             return Node{{0, 0, static_cast<float>(begin)}, first, {1, 1, static_cast<float>(end)}, count};
         };
@@ -124,12 +124,14 @@ struct Chain {
         for (std::uint32_t i = 0; i < length; ++i) {
             const auto z = static_cast<float>(i);
             mesh.vertices.insert(mesh.vertices.end(), {{0, 0, z}, {1, 0, z}, {0, 1, z}});
-            mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-            bvh.primitive_ids.push_back(i);
+            for (std::uint32_t k = 0; k < each; ++k) {
+                bvh.primitive_ids.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
+                mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+            }
             if (i == last) break;
-            bvh.nodes.push_back(box_from(i, i, i, 1));
+            bvh.nodes.push_back(box_from(i, i, i * each, each));
             const bool is_end = i + 2 == length;
-            bvh.nodes.push_back(is_end ? box_from(last, last, last, 1) : box_from(i + 1, last, 2 * i + 4, 0));
+            bvh.nodes.push_back(is_end ? box_from(last, last, last * each, each) : box_from(i + 1, last, 2 * i + 4, 0));
         }
     }
 
@@ -223,14 +225,22 @@ TEST_CASE("device tracer: any block, group, stack and persistent groups find the
 }
 
 TEST_CASE("device tracer: no tree is too deep for a ray's stack") {
-    for (const std::uint32_t length : {2u, 3u, 49u, 50u, 51u, 3000u, 100000u}) {
-        const Chain chain(length);
+    for (const auto& [length, each] : {std::pair{2u, 1u},
+                                       {3u, 1u},
+                                       {49u, 1u},
+                                       {50u, 1u},
+                                       {51u, 1u},
+                                       {3000u, 1u},
+                                       {100000u, 1u},
+                                       {200u, 4u},
+                                       {3000u, 4u}}) {
+        const Chain chain(length, each);
         const std::vector<Ray> rays = Chain::rays(length > 3000 ? 10 : 200);
         const Found expected = found_by_host(chain.bvh, chain.mesh, TriangleTest::watertight, rays);
-        CHECK(expected.hits[1].primitive == length - 1);
-        CHECK(expected.closest_counts.back().triangles == length);
+        CHECK(expected.hits[1].primitive == (length - 1) * each);
+        CHECK(expected.closest_counts.back().triangles == length * each);
         for (const Shape shape : {Shape::group, Shape::lane}) {
-            INFO(length << ", " << to_string(shape));
+            INFO(length << " leaves of " << each << ", " << to_string(shape));
             DeviceTracer tracer(shared_context(), tracer_options(shape));
             tracer.set_scene(chain.bvh, chain.mesh);
             check_same(found_by_device(tracer, rays), expected);
@@ -252,8 +262,8 @@ TEST_CASE("device tracer: triangles in any form, and copied in the order of the 
             const DeviceRayMemory memory(tracer, scene.bvh, rays);
             for (const bool is_copied : {false, true}) {
                 if (is_copied) {
-                    scene.leaf_triangles = memory.leaf_triangles();
-                    tracer.enqueue_leaf_triangles(shared_queue(), scene);
+                    scene.copy = memory.copy();
+                    tracer.enqueue_copy(shared_queue(), scene);
                     scene.triangles = {};
                 }
                 Found found(rays.size());
@@ -263,6 +273,13 @@ TEST_CASE("device tracer: triangles in any form, and copied in the order of the 
                 tracer.enqueue_any(shared_queue(), scene, memory.rays());
                 found.is_hit = memory.bytes();
                 found.any_counts = memory.counts();
+                check_same(found, expected);
+                DeviceRays uncounted = memory.rays();
+                uncounted.counts = {};
+                tracer.enqueue_closest(shared_queue(), scene, uncounted);
+                found.hits = memory.hits();
+                tracer.enqueue_any(shared_queue(), scene, uncounted);
+                found.is_hit = memory.bytes();
                 check_same(found, expected);
             }
             CHECK(memory.guards_are_whole());
@@ -284,12 +301,12 @@ TEST_CASE("device tracer: a build, a copy and rays follow each other on any queu
         tree.clear_input();
         DeviceScene scene = scene_of(tree);
         const DeviceRayMemory memory(tracer, scene.bvh, rays);
-        scene.leaf_triangles = memory.leaf_triangles();
+        scene.copy = memory.copy();
         cl::UserEvent written(shared_context().session().context());
         cl_event copied = nullptr, traced = nullptr;
         const cl::Event built = tree.enqueue(queue, {written()});
         cl_event built_event = built();
-        tracer.enqueue_leaf_triangles(queue(), scene, {&built_event, 1}, &copied);
+        tracer.enqueue_copy(queue(), scene, {&built_event, 1}, &copied);
         tracer.enqueue_closest(queue(), scene, memory.rays(), {&copied, 1}, &traced);
         const cl::Event copy(copied), end(traced);
         queue.flush();
@@ -312,10 +329,10 @@ TEST_CASE("device tracer: enqueuing allocates nothing, builds nothing and waits 
     for_each_tracer([&](DeviceTracer& tracer) {
         DeviceScene scene = scene_of(tree);
         const DeviceRayMemory memory(tracer, scene.bvh, rays);
-        scene.leaf_triangles = memory.leaf_triangles();
+        scene.copy = memory.copy();
         const OpenClCalls calls = opencl_calls_of([&] {
             tree.enqueue_only();
-            tracer.enqueue_leaf_triangles(shared_queue(), scene);
+            tracer.enqueue_copy(shared_queue(), scene);
             tracer.enqueue_closest(shared_queue(), scene, memory.rays());
             tracer.enqueue_any(shared_queue(), scene, memory.rays());
         });
@@ -468,9 +485,7 @@ TEST_CASE("device tracer: what is wrong with memory of the caller's is named, an
     expect_refused({"the primitive ids' offset"}, [](Arguments& a) { a.scene.bvh.primitive_ids.offset += 2; });
     expect_refused({"the vertices", "no buffer"}, [](Arguments& a) { a.scene.triangles.vertices = {}; });
     expect_refused({"the vertices' stride is 8"}, [](Arguments& a) { a.scene.triangles.vertex_stride = 8; });
-    expect_refused({"the leaf triangles", "needs 4800 bytes"}, [&](Arguments& a) {
-        a.scene.leaf_triangles = {read_only(), (1 << 20) - 64};
-    });
+    expect_refused({"the copy", "needs", "bytes"}, [&](Arguments& a) { a.scene.copy = {read_only(), (1 << 20) - 64}; });
     expect_refused({"the rays", "no buffer"}, [](Arguments& a) { a.rays.rays = {}; });
     expect_refused({"the rays", "needs 3232 bytes"}, [](Arguments& a) { a.rays.count = 101; });
     expect_refused({"the rays", "multiple of 16"}, [](Arguments& a) {
@@ -490,14 +505,13 @@ TEST_CASE("device tracer: what is wrong with memory of the caller's is named, an
         a.rays.results = a.scene.bvh.nodes;
     });
     Arguments copy = sound;
-    copy.scene.leaf_triangles = copy.scene.bvh.nodes;
-    copy.scene.bvh.reference_count = 10;
-    copy.scene.leaf_triangles.offset += 8;
-    expect_error(ErrorCode::invalid_input, {"the leaf triangles", "multiple of 64"},
-                 [&] { tracer.enqueue_leaf_triangles(copy.queue, copy.scene); });
-    copy.scene.leaf_triangles = {read_only()};
-    expect_error(ErrorCode::invalid_input, {"the leaf triangles", "CL_MEM_READ_WRITE"},
-                 [&] { tracer.enqueue_leaf_triangles(copy.queue, copy.scene); });
+    const cl::Buffer large(shared_context().session().context(), CL_MEM_READ_WRITE, 1 << 20);
+    copy.scene.copy = {large(), 8};
+    expect_error(ErrorCode::invalid_input, {"the copy", "multiple of 64"},
+                 [&] { tracer.enqueue_copy(copy.queue, copy.scene); });
+    copy.scene.copy = {read_only()};
+    expect_error(ErrorCode::invalid_input, {"the copy", "CL_MEM_READ_WRITE"},
+                 [&] { tracer.enqueue_copy(copy.queue, copy.scene); });
     DeviceRays too_many = sound.rays;
     too_many.count = kMaxDeviceRays + 1;
     expect_error(ErrorCode::unsupported, {"2147483648 rays", "2147483647"},

@@ -35,10 +35,14 @@ std::string yes_no(const std::optional<bool>& valid) {
 class Comparison {
 public:
     explicit Comparison(std::span<const BuildResult> scene)
-        : time_baseline_(find(scene, kTimeBaselines)), sah_baseline_(find(scene, kSahBaselines)) {}
+        : time_baseline_(find(scene, kTimeBaselines)),
+          sah_baseline_(find(scene, kSahBaselines)),
+          traced_(std::ranges::any_of(scene, [](const BuildResult& result) { return result.rays.has_value(); })) {}
 
     [[nodiscard]] const BuildResult* time_baseline() const { return time_baseline_; }
     [[nodiscard]] const BuildResult* sah_baseline() const { return sah_baseline_; }
+    /// Whether rays were traced through any of the trees.
+    [[nodiscard]] bool traced() const { return traced_; }
 
     /// The rest where there is a baseline.
     [[nodiscard]] double speedup(const BuildResult& result) const {
@@ -62,6 +66,7 @@ private:
 
     const BuildResult* time_baseline_;
     const BuildResult* sah_baseline_;
+    bool traced_;
 };
 
 double time_over_sort(const BuildResult& result) {
@@ -72,6 +77,11 @@ double time_over_sort(const BuildResult& result) {
 /// Whatever a column says of a tree, where there is one to read.
 std::function<std::string(const BuildResult&)> of_tree(std::string (*cell)(const BuildResult&)) {
     return [cell](const BuildResult& result) { return result.has_tree ? cell(result) : std::string("-"); };
+}
+
+/// Whatever a column says of rays, where some were traced.
+std::function<std::string(const BuildResult&)> of_rays(std::string (*cell)(const RayCost&)) {
+    return [cell](const BuildResult& result) { return result.rays ? cell(*result.rays) : std::string("-"); };
 }
 
 std::vector<Column<BuildResult>> scene_columns(const Comparison& comparison) {
@@ -92,6 +102,11 @@ std::vector<Column<BuildResult>> scene_columns(const Comparison& comparison) {
     columns.push_back({"depth", of_tree([](Result r) { return std::to_string(r.depth); })});
     columns.push_back({"leaves", of_tree([](Result r) { return std::to_string(r.leaves); })});
     columns.push_back({"prims/leaf", of_tree([](Result r) { return fixed_text(r.primitives_per_leaf(), 2); })});
+    if (comparison.traced()) {
+        columns.push_back({"ns/ray", of_rays([](const RayCost& rays) { return fixed_text(rays.ns_per_ray(), 1); })});
+        columns.push_back(
+            {"steps/ray", of_rays([](const RayCost& rays) { return fixed_text(rays.steps_per_ray(), 1); })});
+    }
     columns.push_back({"bytes/prim", [](Result r) { return fixed_text(r.peak_bytes_per_primitive(), 1); }});
     columns.push_back({"valid", [](Result r) { return yes_no(r.valid); }});
     return columns;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "bench_rays.hpp"
 #include "builder_contestant.hpp"
 #include "copy_contestant.hpp"
 #include "embree_peer.hpp"
@@ -68,6 +69,9 @@ std::vector<BuildResult> bench_scene(const BenchSettings& settings, std::string_
         result.native_sort_ms = sort.milliseconds();
         if (copy && result.kind == BuilderKind::device) result.copy_gb_per_s = copy->gb_per_s();
         results.push_back(std::move(result));
+    }
+    if (settings.camera) {
+        bench_rays(results, entrants, mesh, *settings.camera, settings.runs, settings.options.thread_count, progress);
     }
     return results;
 }

@@ -3,6 +3,7 @@
 #include <clbvh/core/build_options.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/device/context.hpp>
+#include <clbvh/trace/camera.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -24,10 +25,11 @@ struct BenchSettings {
     BuildOptions options;
     std::optional<Context> context;  ///< Where device builders run; needed where there are any.
     SceneArguments loading;          ///< How a sweep over sizes takes its scenes in.
+    std::optional<Camera> camera;    ///< Where rays are traced too: from where they come.
 };
 
 /// Times every builder, the native sort and, where there is a device, a copy on it in the same rounds (run_rounds) on
-/// one mesh, and describes the last tree of each builder.
+/// one mesh, and describes the last tree of each builder; with a camera also by what rays cost (bench_rays).
 [[nodiscard]] std::vector<BuildResult> bench_scene(const BenchSettings& settings, std::string_view scene,
                                                    const Mesh& mesh, ProgressBar& bar);
 

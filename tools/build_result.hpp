@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "ray_cost.hpp"
 #include "sample.hpp"
 
 namespace clbvh::tool {
@@ -53,6 +54,7 @@ struct BuildResult {
     std::optional<Sample> native_sort_ms;  ///< Sorting as many keys as there are triangles, in the same rounds.
     std::optional<Sample> copy_gb_per_s;   ///< Read and written by a copy on the device, in the same rounds.
     std::optional<SweptValue> sweep;
+    std::optional<RayCost> rays;  ///< Of diffuse rays through the last tree, traced on the host.
 
     [[nodiscard]] double mtris_per_s() const;
     [[nodiscard]] double peak_bytes_per_primitive() const;

@@ -18,6 +18,7 @@ Command add_build_command(CLI::App& app);
 Command add_bench_command(CLI::App& app);
 Command add_tune_command(CLI::App& app);
 Command add_trace_command(CLI::App& app);
+Command add_render_command(CLI::App& app);
 Command add_metrics_command(CLI::App& app);
 
 }  // namespace clbvh::tool

@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench_report.hpp"
@@ -29,6 +30,7 @@
 #include "sweep.hpp"
 #include "sweep_report.hpp"
 #include "sweep_scene.hpp"
+#include "view_arguments.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -41,6 +43,7 @@ struct Arguments {
     std::uint32_t runs = 5;
     bool unvalidated = false;
     bool stages = false;
+    bool rays = false;
     std::string sweep;           // empty where none was asked for
     std::uint32_t sweep_to = 0;  // 0 where it was not given
     BuildArguments build;
@@ -57,8 +60,14 @@ public:
           choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)),
           sweep_(arguments.sweep.empty() ? nullptr : &find_sweep(arguments.sweep)) {
         if (sweep_ != nullptr) keep_readers(*sweep_, choice_);
-        settings_ = {choice_.ids,     arguments.peers,  arguments.runs, !arguments.unvalidated, arguments.build.options,
-                     choice_.context, arguments.loading};
+        settings_ = {choice_.ids,
+                     arguments.peers,
+                     arguments.runs,
+                     !arguments.unvalidated,
+                     arguments.build.options,
+                     choice_.context,
+                     arguments.loading,
+                     {}};
     }
 
     void run() {
@@ -86,7 +95,7 @@ private:
         ProgressBar bar;
         for (const std::string& scene : arguments_.scenes) {
             bar.show(0.0, "loading " + scene);
-            const Mesh mesh = arguments_.loading.load(scene);
+            const Mesh mesh = load(scene);
             std::vector<BuildResult> of_scene = bench_scene(settings_, scene, mesh, bar);
             bar.erase();
             print(header() + scene_report(choice_.context, of_scene) + peers_note() + '\n');
@@ -97,6 +106,14 @@ private:
         if (count < 2) return;
         print(
             fmt::format("geometric means over {} scenes\n{}", count, means_report(results_, results_.size() / count)));
+    }
+
+    /// The scene and, where rays are traced, from where they come.
+    Mesh load(const std::string& scene) {
+        if (!arguments_.rays) return arguments_.loading.load(scene);
+        ViewedScene viewed = load_viewed(scene, arguments_.loading, ViewArguments());
+        settings_.camera = viewed.camera;
+        return std::move(viewed.mesh);
     }
 
     void run_sweeps() {
@@ -152,6 +169,7 @@ void check_arguments(const Arguments& arguments) {
     arguments.build.check();
     if (sweeps && arguments.peers) refuse("--peers: a sweep is of clbvh's own builders; leave --peers or --sweep out");
     if (sweeps && arguments.stages) refuse("--stages: a sweep's table has no stages (its JSON has); leave one out");
+    if (sweeps && arguments.rays) refuse("--rays: a sweep traces no rays; leave --rays or --sweep out");
     if (arguments.sweep_to > 0 && arguments.sweep != "size") refuse("--sweep-to is for --sweep size");
     if (arguments.peers) check_embree_peers(arguments.build.options);
     arguments.json.require_writable();
@@ -213,6 +231,8 @@ Command add_bench_command(CLI::App& app) {
                      "Most triangles of --sweep size; the scene's COUNT unless given")
         ->check(CLI::Range(std::uint32_t{1}, static_cast<std::uint32_t>(kMaxPrimitives)))
         ->type_name("N");
+    command->add_flag("--rays", arguments->rays,
+                      "Trace diffuse rays through the trees as well, on the host; see clbvh trace");
     arguments->loading.add_options(*command);
     arguments->build.add_options(*command);
     arguments->json.add_option(*command);

@@ -7,6 +7,7 @@
 
 #include "contestant.hpp"
 #include "interrupt.hpp"
+#include "rounds.hpp"
 #include "stopwatch.hpp"
 
 namespace clbvh::tool {

@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "ray_engine.hpp"
-#include "rounds.hpp"
 #include "sample.hpp"
 
 namespace clbvh::tool {
+
+class RoundsProgress;
 
 /// Rays of one kind.
 struct RaySet {

@@ -3,6 +3,7 @@
 #include <clbvh/core/bvh.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/core/ray.hpp>
+#include <clbvh/device/context.hpp>
 #include <clbvh/trace/camera.hpp>
 #include <clbvh/trace/tracer.hpp>
 #include <cstdint>
@@ -23,11 +24,17 @@ public:
     virtual void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) = 0;
     /// 1 or 0 each.
     virtual void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) = 0;
+    /// What the rays would visit if nothing ended them. Throws Error(unsupported) on a device.
+    virtual void visits(std::span<const Ray> rays, std::span<RayCounts> counts) = 0;
 };
 
 /// On the host, over a copy of what it needs.
 [[nodiscard]] std::unique_ptr<RayEngine> make_host_engine(const Bvh& bvh, const Mesh& mesh,
                                                           const TracerOptions& options);
+
+/// On the device of `context`, over a copy in its memory.
+[[nodiscard]] std::unique_ptr<RayEngine> make_device_engine(const Context& context, const Bvh& bvh, const Mesh& mesh,
+                                                            TriangleTest triangle_test);
 
 /// Asks `engine`, which has to outlive the result.
 [[nodiscard]] ClosestHits closest_hits_of(RayEngine& engine);

@@ -82,6 +82,13 @@ ordered_json result_json(const BuildResult& result) {
     if (result.first_build_ms) json["first_build_ms"] = *result.first_build_ms;
     if (result.native_sort_ms) json["native_sort_ms"] = sample_json(*result.native_sort_ms);
     if (result.copy_gb_per_s) json["copy_gb_per_s"] = sample_json(*result.copy_gb_per_s);
+    if (result.rays) {
+        json["ray_count"] = result.rays->ray_count;
+        json["mrays_per_s"] = result.rays->mrays_per_s();
+        json["ns_per_ray"] = result.rays->ns_per_ray();
+        json["steps_per_ray"] = result.rays->steps_per_ray();
+        json["triangles_per_ray"] = result.rays->triangles_per_ray;
+    }
     if (result.sweep) json["sweep"] = {{"what", result.sweep->what}, {"value", result.sweep->value}};
     return json;
 }

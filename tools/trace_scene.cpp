@@ -12,6 +12,7 @@
 
 #include "interrupt.hpp"
 #include "open_builder.hpp"
+#include "rounds.hpp"
 
 namespace clbvh::tool {
 namespace {

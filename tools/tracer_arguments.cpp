@@ -9,6 +9,13 @@ namespace clbvh::tool {
 void TracerArguments::add_options(CLI::App& command) {
     command
         .add_option_function<std::string>(
+            "--tracer", [this](const std::string& name) { on_device = name == "device"; },
+            "Where rays are traced: the host, or the OpenCL device of --device")
+        ->check(CLI::IsMember({"host", "device"}))
+        ->type_name("NAME")
+        ->default_str("host");
+    command
+        .add_option_function<std::string>(
             "--triangle-test",
             [this](const std::string& name) {
                 triangle_test = name == "watertight" ? TriangleTest::watertight : TriangleTest::moller_trumbore;
@@ -25,7 +32,8 @@ std::optional<Context> TracerArguments::context(std::optional<Context> context, 
 }
 
 std::unique_ptr<RayEngine> TracerArguments::engine(const Bvh& bvh, const Mesh& mesh, const BuildOptions& options,
-                                                   const std::optional<Context>&) const {
+                                                   const std::optional<Context>& context) const {
+    if (on_device) return make_device_engine(context.value(), bvh, mesh, triangle_test);
     return make_host_engine(bvh, mesh, {triangle_test, options.thread_count});
 }
 

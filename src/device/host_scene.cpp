@@ -34,7 +34,7 @@ std::span<const T> as_span(const std::vector<T>& values) {
 HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh) {
     if (bvh.empty()) return;
     check_fits(session, "nodes", bvh.nodes.size(), sizeof(Node));
-    check_fits(session, "references", bvh.primitive_ids.size(), kLeafTriangleBytes);
+    check_fits(session, "references", bvh.primitive_ids.size(), plan_copy(settings, 1000).bytes() / 1000 + 1);
     check_fits(session, "vertices", mesh.vertices.size(), sizeof(Vec3));
     check_fits(session, "triangles", mesh.triangles.size(), sizeof(Triangle));
     with_opencl_errors("copying a scene to the device", [&] {
@@ -45,24 +45,17 @@ HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh&
 }
 
 void HostScene::copy_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh) {
+    scene_.reference_count = static_cast<std::uint32_t>(bvh.primitive_ids.size());
     TraceScene from_mesh = scene_;
-    from_mesh.reference_count = static_cast<std::uint32_t>(bvh.primitive_ids.size());
     from_mesh.primitive_ids = {upload(session, as_span(bvh.primitive_ids))};
     from_mesh.mesh.vertices = upload(session, as_span(mesh.vertices));
     from_mesh.mesh.triangles = upload(session, as_span(mesh.triangles));
     from_mesh.mesh.vertex_stride = sizeof(Vec3);
     from_mesh.mesh.triangle_stride = sizeof(Triangle);
-    scene_.leaf_triangles = {allocate_buffer(session, kLeafTriangleBytes * from_mesh.reference_count)};
+    scene_.copy = {allocate_buffer(session, plan_copy(settings, scene_.reference_count).bytes())};
     Launcher launcher(session, session.queue(), {});
-    launch_leaf_triangles(launcher, settings, from_mesh, scene_.leaf_triangles);
+    launch_copy(launcher, settings, from_mesh, scene_.copy);
     session.queue().finish();
-}
-
-void HostScene::set_wide_tree(Session& session, std::span<const std::byte> nodes, std::span<const std::byte> blocks) {
-    if (nodes.empty() || std::max(nodes.size(), blocks.size()) > session.info().max_allocation_bytes) return;
-    with_opencl_errors("copying a tree of eight children to the device", [&] {
-        wide_ = {upload(session, nodes), upload(session, blocks)};
-    });
 }
 
 void HostScene::trace(Session& session, const TraceSettings& settings, std::span<const Ray> rays, bool any,
@@ -80,7 +73,7 @@ void HostScene::trace(Session& session, const TraceSettings& settings, std::span
         if (!counts.empty()) part.counts = {counts_.reserve(session, count * sizeof(RayCounts))};
         queue.enqueueWriteBuffer(part.rays.buffer, CL_TRUE, 0, count * sizeof(Ray), rays.data() + begin);
         Launcher launcher(session, queue, {});
-        launch_trace(launcher, settings, scene_, part, wide_);
+        launch_trace(launcher, settings, scene_, part);
         queue.finish();
         queue.enqueueReadBuffer(part.results.buffer, CL_TRUE, 0, count * result_bytes,
                                 results.data() + begin * result_bytes);

@@ -21,10 +21,6 @@ public:
     /// at once.
     HostScene(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh);
 
-    /// Copies the same tree with eight children a node, in the form of kernels/wide_tree.clh, for rays that nobody
-    /// counts. Does nothing where it is larger than the device can allocate at once.
-    void set_wide_tree(Session& session, std::span<const std::byte> nodes, std::span<const std::byte> blocks);
-
     /// Fills `results`, a Hit or, with `any`, a byte for each ray, and `counts`, where there are some.
     void trace(Session& session, const TraceSettings& settings, std::span<const Ray> rays, bool any,
                std::span<std::byte> results, std::span<RayCounts> counts);
@@ -33,7 +29,6 @@ private:
     void copy_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh);
 
     TraceScene scene_;
-    WideScene wide_;
     KeptBuffer rays_, results_, counts_, scratch_;
 };
 

@@ -18,6 +18,9 @@ constexpr std::uint32_t kStackEntries = 48;
 constexpr std::uint64_t kDeepBytes = std::uint64_t{16} << 20;
 constexpr std::uint64_t kMostDeepItems = 64;
 
+// Subtrees that the lane shape widens each by itself, and the work items for them.
+constexpr std::uint32_t kWideSubtrees = 512;
+
 constexpr std::uint32_t kLeafOrder = 5;  // INPUT_LEAF_ORDER of kernels/leaf_triangle.clh
 
 std::uint32_t chosen(std::uint32_t option, std::uint32_t automatic) {
@@ -43,13 +46,13 @@ cl_device_fp_config float_abilities(const Session& session) {
 // SCENE_ARGUMENTS of kernels/trace.cl. What a scene lacks is not read, but no kernel is given a null buffer.
 auto scene_arguments(const TraceScene& scene, const cl::Buffer& stand_in) {
     const auto given = [&](const cl::Buffer& buffer) { return buffer() != nullptr ? buffer : stand_in; };
-    const bool has_copy = scene.leaf_triangles.buffer() != nullptr;
+    const bool has_copy = scene.copy.buffer() != nullptr;
     const DeviceMesh& mesh = scene.mesh;
     return std::make_tuple(given(scene.nodes.buffer), scene.nodes.offset, scene.node_count,
                            given(scene.primitive_ids.buffer), scene.primitive_ids.offset,
                            has_copy ? kLeafOrder : static_cast<std::uint32_t>(mesh.form), given(mesh.vertices),
                            mesh.vertex_offset, mesh.vertex_stride, given(mesh.triangles), mesh.triangle_offset,
-                           mesh.triangle_stride, given(scene.leaf_triangles.buffer), scene.leaf_triangles.offset);
+                           mesh.triangle_stride, given(scene.copy.buffer), scene.copy.offset);
 }
 
 // RAY_ARGUMENTS of kernels/trace.cl.
@@ -58,6 +61,12 @@ auto ray_arguments(const TraceRays& rays) {
     return std::make_tuple(rays.rays.buffer, rays.rays.offset, rays.count, rays.results.buffer, rays.results.offset,
                            has_counts ? rays.counts.buffer : rays.scratch.buffer, rays.counts.offset,
                            std::uint32_t{has_counts}, rays.scratch.buffer, rays.scratch.offset);
+}
+
+// WIDE_ARGUMENTS of kernels/trace.cl.
+auto wide_arguments(const CopyPlan& plan, const Block& copy) {
+    return std::make_tuple(copy.buffer, copy.offset + plan.header_offset(), copy.offset + plan.nodes_offset(),
+                           copy.offset + plan.blocks_offset());
 }
 
 template <typename Arguments>
@@ -111,35 +120,58 @@ TracePlan plan_trace(std::uint32_t node_count) {
     return plan;
 }
 
-void launch_leaf_triangles(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene,
-                           const Block& out) {
-    if (scene.reference_count == 0) return;
-    launcher.begin_stage("leaf triangles", 0.0);
-    Kernel& kernel = launcher.session().kernel(trace_program(settings), "leaf_triangles");
-    launch_with(launcher, kernel, groups_for(scene.reference_count, settings.block_rays),
-                std::tuple_cat(scene_arguments(scene, out.buffer),
-                               std::make_tuple(scene.reference_count, out.buffer, out.offset)));
+CopyPlan plan_copy(const TraceSettings& settings, std::uint32_t reference_count) {
+    CopyPlan plan;
+    plan.rows_bytes = CopyPlan::kRowsBytes * reference_count;
+    plan.is_wide = settings.shape == Shape::lane && settings.persistent_groups == 0;
+    if (plan.is_wide) {
+        // Trees of scanned and of modelled scenes take some 0.1 nodes and 0.3 blocks a reference.
+        plan.node_capacity = reference_count / 6 + 64;
+        plan.block_capacity = reference_count / 2 + 64;
+    }
+    return plan;
 }
 
-void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays,
-                  const WideScene& wide) {
+void launch_copy(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const Block& copy) {
+    if (scene.reference_count == 0) return;
+    launcher.begin_stage("copy", 0.0);
+    const ProgramSpec program = trace_program(settings);
+    const auto kernel = [&](const char* name) -> Kernel& { return launcher.session().kernel(program, name); };
+    launch_with(launcher, kernel("leaf_triangles"), groups_for(scene.reference_count, settings.block_rays),
+                std::tuple_cat(scene_arguments(scene, copy.buffer),
+                               std::make_tuple(scene.reference_count, copy.buffer, copy.offset)));
+    const CopyPlan plan = plan_copy(settings, scene.reference_count);
+    if (!plan.is_wide) return;
+    TraceScene copied = scene;
+    copied.copy = copy;
+    const auto arguments = std::tuple_cat(scene_arguments(copied, copy.buffer), wide_arguments(plan, copy),
+                                          std::make_tuple(plan.node_capacity, plan.block_capacity));
+    launch_with(launcher, kernel("widen_top"), 1, std::tuple_cat(arguments, std::make_tuple(kWideSubtrees / 2)));
+    launch_with(launcher, kernel("widen_rest"), kWideSubtrees, arguments);
+}
+
+void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays) {
     if (rays.count == 0) return;
     launcher.begin_stage("trace", 0.0);
     const ProgramSpec program = trace_program(settings);
     const auto kernel = [&](const char* name) -> Kernel& { return launcher.session().kernel(program, name); };
     const TracePlan plan = plan_trace(scene.node_count);
+    const CopyPlan copy = plan_copy(settings, scene.reference_count);
     const auto ray_values = ray_arguments(rays);
     const auto all_values = std::tuple_cat(scene_arguments(scene, rays.scratch.buffer), ray_values);
     const std::size_t blocks = groups_for(rays.count, settings.block_rays);
-    launcher.launch(kernel("begin_trace"), 1, rays.scratch.buffer, rays.scratch.offset);
-    const bool goes_wide = wide.nodes() != nullptr && rays.counts.buffer() == nullptr;
-    if (goes_wide && settings.persistent_groups == 0) {
+    const bool is_counted = rays.counts.buffer() != nullptr;
+    if (copy.is_wide && scene.copy.buffer() != nullptr && !is_counted) {
+        const auto wide_values = wide_arguments(copy, scene.copy);
+        launch_with(launcher, kernel("begin_wide_trace"), 1,
+                    std::tuple_cat(std::make_tuple(rays.scratch.buffer, rays.scratch.offset), wide_values));
         launch_with(launcher, kernel(rays.any ? "wide_any" : "wide_closest"), blocks,
-                    std::tuple_cat(std::make_tuple(wide.nodes, wide.blocks), ray_values));
+                    std::tuple_cat(wide_values, ray_values));
     } else {
-        launch_with(launcher, kernel(rays.any ? "trace_any" : "trace_closest"),
-                    settings.persistent_groups > 0 ? settings.persistent_groups : blocks, all_values);
+        launcher.launch(kernel("begin_trace"), 1, rays.scratch.buffer, rays.scratch.offset);
     }
+    launch_with(launcher, kernel(rays.any ? "trace_any" : "trace_closest"),
+                settings.persistent_groups > 0 ? settings.persistent_groups : blocks, all_values);
     launch_with(
         launcher, kernel(rays.any ? "deep_any" : "deep_closest"), groups_for(plan.deep_items, settings.work_group_size),
         std::tuple_cat(all_values, std::make_tuple(rays.scratch.buffer, rays.scratch.offset + TracePlan::kControlBytes,

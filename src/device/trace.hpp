@@ -36,8 +36,28 @@ struct TracePlan {
 };
 [[nodiscard]] TracePlan plan_trace(std::uint32_t node_count);
 
-/// Bytes of a reference's triangle in the order of the leaves; LEAF_ROWS of kernels/leaf_triangle.clh.
-inline constexpr std::uint64_t kLeafTriangleBytes = 48;
+/// A copy of a scene that is laid out for speed, one part behind the other: the triangles in the order of the leaves
+/// (kernels/leaf_triangle.clh), then in the lane shape the header, the nodes and the blocks of a tree with eight
+/// children a node (kernels/wide_tree.clh). A tree with so many small leaves that it would take more memory gets none.
+struct CopyPlan {
+    std::uint64_t rows_bytes = 0;
+    bool is_wide = false;
+    std::uint32_t node_capacity = 0, block_capacity = 0;
+
+    static constexpr std::uint64_t kRowsBytes = 48;
+    static constexpr std::uint64_t kHeaderBytes = 64;
+    static constexpr std::uint64_t kNodeBytes = 224;
+    static constexpr std::uint64_t kBlockBytes = 160;
+    [[nodiscard]] std::uint64_t header_offset() const noexcept { return (rows_bytes + 63) / 64 * 64; }
+    [[nodiscard]] std::uint64_t nodes_offset() const noexcept { return header_offset() + kHeaderBytes; }
+    [[nodiscard]] std::uint64_t blocks_offset() const noexcept {
+        return nodes_offset() + (kNodeBytes * node_capacity + 63) / 64 * 64;
+    }
+    [[nodiscard]] std::uint64_t bytes() const noexcept {
+        return is_wide ? blocks_offset() + kBlockBytes * block_capacity : rows_bytes;
+    }
+};
+[[nodiscard]] CopyPlan plan_copy(const TraceSettings& settings, std::uint32_t reference_count);
 
 /// What rays are traced through.
 struct TraceScene {
@@ -45,7 +65,7 @@ struct TraceScene {
     std::uint32_t reference_count = 0;
     Block nodes, primitive_ids;
     DeviceMesh mesh;
-    Block leaf_triangles;  ///< Without a buffer the triangles come from the mesh.
+    Block copy;  ///< Without a buffer the triangles come from the mesh.
 };
 
 struct TraceRays {
@@ -55,17 +75,11 @@ struct TraceRays {
     Block counts;  ///< May have no buffer.
 };
 
-/// The same tree with eight children a node, for the lane shape; see kernels/wide_tree.clh.
-struct WideScene {
-    cl::Buffer nodes, blocks;  ///< Null where there is none.
-};
+/// Fills `copy` from the scene's tree and mesh. Three launches at most, none where there are no references.
+void launch_copy(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const Block& copy);
 
-/// The triangles of the scene's mesh into `out`. One launch, none where there are no references.
-void launch_leaf_triangles(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene,
-                           const Block& out);
-
-/// Three launches, none where there are no rays. Rays go through `wide` where there is one and nobody counts.
-void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays,
-                  const WideScene& wide = {});
+/// Four launches at most, none where there are no rays. Rays that nobody counts go through the tree of eight children,
+/// where the copy has one.
+void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays);
 
 }  // namespace clbvh::device

@@ -13,6 +13,7 @@
 #include "clbvh/core/mesh_bounds.hpp"
 #include "clbvh/core/vector.hpp"
 #include "clbvh/trace/surface.hpp"
+#include "core/memory_errors.hpp"
 #include "core/random.hpp"
 
 namespace clbvh {
@@ -140,17 +141,20 @@ std::vector<Ray> rays_from(RayKind kind, const Mesh& mesh, const ClosestHits& tr
     return ambient_occlusion_rays(mesh, trace, primary, kAmbientRaysPerPoint, length, seed);
 }
 
-/// How many rays come of one of the camera's is seen in a small picture first.
+/// How many rays come of one of the camera's is seen in a small picture first, or in larger ones where the small one
+/// shows nothing.
 std::vector<Ray> rays_beyond_primary(RayKind kind, const Mesh& mesh, const ClosestHits& trace, const Camera& camera,
                                      const RaySetOptions& options) {
-    constexpr double pilot_cells = 1024.0;
-    const std::vector<Ray> pilot = primary_grid(camera, pilot_cells, options.seed);
-    const std::size_t found = rays_from(kind, mesh, trace, camera, pilot, options.seed).size();
-    if (found == 0) return {};
-    const double rays_per_cell = static_cast<double>(found) / static_cast<double>(pilot.size());
-    const std::vector<Ray> primary =
-        primary_grid(camera, static_cast<double>(options.count) / rays_per_cell, options.seed);
-    return rays_from(kind, mesh, trace, camera, primary, options.seed);
+    for (const double pilot_cells : {1024.0, 32768.0, 1048576.0}) {
+        const std::vector<Ray> pilot = primary_grid(camera, pilot_cells, options.seed);
+        const std::size_t found = rays_from(kind, mesh, trace, camera, pilot, options.seed).size();
+        if (found == 0) continue;
+        const double rays_per_cell = static_cast<double>(found) / static_cast<double>(pilot.size());
+        const std::vector<Ray> primary =
+            primary_grid(camera, static_cast<double>(options.count) / rays_per_cell, options.seed);
+        return rays_from(kind, mesh, trace, camera, primary, options.seed);
+    }
+    return {};
 }
 
 }  // namespace
@@ -242,9 +246,11 @@ std::vector<Ray> make_rays(RayKind kind, const Mesh& mesh, const ClosestHits& tr
         throw Error(ErrorCode::invalid_input, "the number of rays is " + std::to_string(options.count) +
                                                   "; it has to be 1 to " + std::to_string(kMostRays));
     }
-    if (kind == RayKind::random) return random_lines(mesh_bounds(mesh), options.count, options.seed);
-    if (kind == RayKind::primary) return primary_grid(camera, static_cast<double>(options.count), options.seed);
-    return rays_beyond_primary(kind, mesh, trace, camera, options);
+    return with_memory_errors("the rays", [&] {
+        if (kind == RayKind::random) return random_lines(mesh_bounds(mesh), options.count, options.seed);
+        if (kind == RayKind::primary) return primary_grid(camera, static_cast<double>(options.count), options.seed);
+        return rays_beyond_primary(kind, mesh, trace, camera, options);
+    });
 }
 
 }  // namespace clbvh

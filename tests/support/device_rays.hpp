@@ -15,8 +15,8 @@ public:
 
     /// Where the rays, their hits and counts are.
     [[nodiscard]] DeviceRays rays() const;
-    /// Where a copy of the scene's triangles may be made.
-    [[nodiscard]] DeviceSpan leaf_triangles() const { return leaf_triangles_.span; }
+    /// Where a copy of the scene may be made.
+    [[nodiscard]] DeviceSpan copy() const { return copy_.span; }
 
     [[nodiscard]] std::vector<Hit> hits() const;
     [[nodiscard]] std::vector<std::uint8_t> bytes() const;
@@ -33,7 +33,7 @@ private:
 
     std::uint32_t count_;
     cl::Buffer rays_;
-    Guarded results_, counts_, scratch_, leaf_triangles_;
+    Guarded results_, counts_, scratch_, copy_;
 };
 
 }  // namespace clbvh::test

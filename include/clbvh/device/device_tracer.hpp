@@ -38,11 +38,11 @@ struct DeviceBvh {
     }
 };
 
-/// What rays are traced through. The triangles come from one of two places.
+/// What rays are traced through.
 struct DeviceScene {
     DeviceBvh bvh;
-    DeviceTriangles triangles;  ///< The mesh that the tree is over; not looked at where there is a copy:
-    DeviceSpan leaf_triangles;  ///< Filled by DeviceTracer::enqueue_leaf_triangles; a multiple of 64 bytes in.
+    DeviceTriangles triangles;  ///< The mesh that the tree is over; not looked at by rays where there is a copy:
+    DeviceSpan copy;  ///< Filled by enqueue_copy of a DeviceTracer with the same options; a multiple of 64 bytes in.
 };
 
 /// Rays that can be traced at once.
@@ -59,8 +59,8 @@ struct DeviceRays {
 
 /// Bytes that tracing needs beside the tree, the rays and the hits.
 struct DeviceTraceSizes {
-    std::uint64_t scratch = 0;         ///< For any number of rays; free again when they are traced.
-    std::uint64_t leaf_triangles = 0;  ///< 48 for each reference.
+    std::uint64_t scratch = 0;  ///< For any number of rays; free again when they are traced.
+    std::uint64_t copy = 0;     ///< 48 for each reference in the group shape, some 166 in the lane shape.
 };
 
 /// Traces rays on an OpenCL device: from buffers of the caller's into buffers of the caller's, on a queue of the
@@ -86,16 +86,16 @@ public:
     /// What a tree needs; only the two counts of `bvh` are looked at.
     [[nodiscard]] DeviceTraceSizes sizes(const DeviceBvh& bvh) const noexcept;
 
-    /// Enqueues a copy of the scene's triangles in the order of the leaves into scene.leaf_triangles: worth its time
-    /// (see docs/trace-device.md) where some rays follow. The mesh is not needed afterwards.
+    /// Enqueues a copy of the scene into scene.copy that is laid out for speed: worth its time where many rays follow,
+    /// see docs/trace-device.md. The mesh is not needed afterwards, the tree is.
     ///
     /// This and the next two allocate nothing and wait for nothing: they begin when the events in `wait_list` are
     /// complete, in an in-order queue also behind what was enqueued before, and `event`, where given, becomes the
     /// caller's own event of their end. So a build and its rays can follow each other on one queue. All memory is
     /// looked at as DeviceBuilder::enqueue does, and so is what was found wrong thrown. The values cannot be checked:
     /// for a tree with loops, and for numbers out of range in it or in the mesh, the behaviour is undefined.
-    void enqueue_leaf_triangles(cl_command_queue queue, const DeviceScene& scene,
-                                std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+    void enqueue_copy(cl_command_queue queue, const DeviceScene& scene, std::span<const cl_event> wait_list = {},
+                      cl_event* event = nullptr);
 
     /// Enqueues the closest hit of each ray. Rays that are none (see Ray) hit nothing, and so does every ray where the
     /// tree has no leaves. The order of the rays does not matter to the hits, only to the time.

@@ -76,7 +76,8 @@ struct RaySetOptions {
 /// A set of the kind with about as many rays as wanted: the primary rays of a 4:3 picture of so many pixels, or of as
 /// many as need be for so many diffuse rays (64 a point and their successors), shadow rays (4 lights) or ambient
 /// occlusion rays (16 a point, a tenth of the diagonal of the mesh's box long). A camera that sees nothing leaves those
-/// three empty. Throws Error(invalid_input) for a count of 0 or above 2^30, and what CameraRays and `trace` throw.
+/// three empty. Throws Error(invalid_input) for a count of 0 or above 2^30, Error(out_of_memory), and what CameraRays
+/// and `trace` throw.
 [[nodiscard]] std::vector<Ray> make_rays(RayKind kind, const Mesh& mesh, const ClosestHits& trace, const Camera& camera,
                                          const RaySetOptions& options);
 

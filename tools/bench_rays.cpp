@@ -1,0 +1,33 @@
+#include "bench_rays.hpp"
+
+#include <clbvh/trace/ray_sets.hpp>
+#include <optional>
+#include <vector>
+
+#include "ray_cost.hpp"
+#include "ray_engine.hpp"
+
+namespace clbvh::tool {
+
+void bench_rays(std::span<BuildResult> results, std::span<const std::unique_ptr<TreeContestant>> entrants,
+                const Mesh& mesh, const Camera& camera, std::size_t runs, std::uint32_t threads,
+                RoundsProgress& progress) {
+    std::vector<std::unique_ptr<RayEngine>> engines;
+    std::vector<RayEntrant> traced;
+    std::vector<BuildResult*> results_of;
+    for (std::size_t i = 0; i < entrants.size(); ++i) {
+        if (!results[i].has_tree || !results[i].valid.value_or(true)) continue;
+        engines.push_back(make_host_engine(entrants[i]->tree().value(), mesh, {TriangleTest::watertight, threads}));
+        traced.push_back({results[i].builder, engines.back().get()});
+        results_of.push_back(&results[i]);
+    }
+    if (traced.empty()) return;
+    const RaySet set{RayKind::diffuse, make_rays(RayKind::diffuse, mesh, closest_hits_of(*engines.front()), camera,
+                                                 {std::uint64_t{1} << 18, 1})};
+    if (set.rays.empty()) return;
+    const std::vector<RayCost> costs = measure_rays(traced, set, runs, progress);
+    for (std::size_t i = 0; i < costs.size(); ++i)
+        results_of[i]->rays = costs[i];
+}
+
+}  // namespace clbvh::tool
