@@ -51,7 +51,7 @@ Pairs<Key> stable_sorted(const Pairs<Key>& pairs) {
 
 template <typename Key>
 Pairs<Key> radix_sorted(Pairs<Key> pairs, std::uint32_t key_bits) {
-    Scratch scratch;
+    clbvh::Scratch scratch;
     Pairs<Key> other = pairs;
     const KeyedValues<Key> sorted =
         radix_sort<Key>({pairs.keys, pairs.values}, {other.keys, other.values}, key_bits, scratch);
@@ -75,7 +75,7 @@ TEST_CASE("the radix sort leaves the result where it says", "[host][radix_sort]"
     const Pairs<std::uint32_t> pairs = make_pairs<std::uint32_t>(50'000, key_bits, 1u << 20);
     Pairs<std::uint32_t> input = pairs;
     Pairs<std::uint32_t> other = pairs;
-    Scratch scratch;
+    clbvh::Scratch scratch;
     const KeyedValues<std::uint32_t> sorted =
         radix_sort<std::uint32_t>({input.keys, input.values}, {other.keys, other.values}, key_bits, scratch);
     const Pairs<std::uint32_t> expected = stable_sorted(pairs);
