@@ -164,7 +164,7 @@ Command add_metrics_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("metrics", "Describe trees, and say how well SAH, EPO and LCV predict rays");
     command->footer(
         "EPO, LCV and the weights alpha and beta are those of Aila, Karras and Laine 2013; docs/metrics.md defines "
-        "them.\nOn the host, ns/ray is of eight children at a time, binary of the tree's own nodes. All trees stay in "
+        "them.\nns/ray is of eight children at a time, binary of the tree's own nodes. All trees stay in "
         "memory.");
     auto arguments = std::make_shared<Arguments>();
     command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();

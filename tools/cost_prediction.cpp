@@ -120,12 +120,10 @@ std::vector<Prediction> predict(std::span<const MetricsResult> of_scene) {
     std::vector<TreeCost> binary_trees;
     for (const MetricsResult& result : of_scene) {
         trees.push_back(result.cost(result.trace.cost.ns_per_ray()));
-        if (const auto nanoseconds = result.binary_ns_per_ray()) binary_trees.push_back(result.cost(*nanoseconds));
+        binary_trees.push_back(result.cost(result.binary_ns_per_ray()));
     }
-    std::vector<Prediction> predictions{make_prediction(scene, kNanoseconds, std::move(trees))};
-    if (!binary_trees.empty())
-        predictions.push_back(make_prediction(scene, kBinaryNanoseconds, std::move(binary_trees)));
-    return predictions;
+    return {make_prediction(scene, kNanoseconds, std::move(trees)),
+            make_prediction(scene, kBinaryNanoseconds, std::move(binary_trees))};
 }
 
 std::string prediction_report(std::span<const Prediction> predictions) {

@@ -21,7 +21,7 @@ struct Prediction {
     std::array<CostFit, 3> fits;  ///< In the order of CostTerms.
 };
 
-/// One for each measurement there is; none where there are fewer than kFewestPredicted trees.
+/// One for each measurement; none where there are fewer than kFewestPredicted trees.
 [[nodiscard]] std::vector<Prediction> predict(std::span<const MetricsResult> of_scene);
 
 /// The table of one scene, as the last columns of table 1 of Aila, Karras, Laine 2013; a word instead where there is

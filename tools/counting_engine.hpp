@@ -8,8 +8,8 @@
 
 namespace clbvh::tool {
 
-/// An engine that always counts. On the host that is the one which visits the tree's own nodes, two children at a time;
-/// where nothing is counted it goes through eight at a time instead.
+/// An engine that always counts, and so visits the tree's own nodes, two children at a time. Where nothing is counted,
+/// engines go through eight at a time instead, but for a device in the group shape.
 class CountingEngine final : public RayEngine {
 public:
     /// `engine` outlives this object, and so do `counts`, which are overwritten; engines that take turns may share
@@ -18,6 +18,7 @@ public:
 
     void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) override;
     void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) override;
+    void visits(std::span<const Ray> rays, std::span<RayCounts> counts) override;
 
 private:
     /// `counts`, or where there are none a place for `size` of them.

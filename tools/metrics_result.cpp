@@ -20,9 +20,8 @@ std::string epo_text(const MetricsResult& result) {
 
 }  // namespace
 
-std::optional<double> MetricsResult::binary_ns_per_ray() const {
-    if (!binary_trace_ms) return {};
-    return binary_trace_ms->median * 1e6 / static_cast<double>(trace.cost.ray_count);
+double MetricsResult::binary_ns_per_ray() const {
+    return binary_trace_ms.median * 1e6 / static_cast<double>(trace.cost.ray_count);
 }
 
 TreeCost MetricsResult::cost(double ns_per_ray) const {
@@ -32,7 +31,7 @@ TreeCost MetricsResult::cost(double ns_per_ray) const {
 nlohmann::ordered_json to_json(const MetricsResult& result) {
     nlohmann::ordered_json json = to_json(result.trace);
     json.erase("relative_speed");  // there need not be a baseline
-    if (const auto nanoseconds = result.binary_ns_per_ray()) json["binary_ns_per_ray"] = *nanoseconds;
+    json["binary_ns_per_ray"] = result.binary_ns_per_ray();
     json["epo"] = result.epo;
     if (result.epo_error) json["epo_standard_error"] = *result.epo_error;
     json["epo_ms"] = result.epo_ms;
@@ -51,7 +50,7 @@ nlohmann::ordered_json to_json(const MetricsResult& result) {
 
 std::string metrics_report(std::span<const MetricsResult> results) {
     using Result = const MetricsResult&;
-    std::vector<Column<MetricsResult>> columns{
+    const std::vector<Column<MetricsResult>> columns{
         {"builder", [](Result r) { return r.trace.builder; }},
         {"SAH", [](Result r) { return fixed_text(r.trace.sah, 3); }},
         {"EPO", epo_text},
@@ -64,9 +63,8 @@ std::string metrics_report(std::span<const MetricsResult> results) {
         {"steps/ray", [](Result r) { return fixed_text(r.trace.cost.steps_per_ray(), 2); }},
         {"tris/ray", [](Result r) { return fixed_text(r.trace.cost.triangles_per_ray, 2); }},
         {"ns/ray", [](Result r) { return fixed_text(r.trace.cost.ns_per_ray(), 1); }},
+        {"binary", [](Result r) { return fixed_text(r.binary_ns_per_ray(), 1); }},
     };
-    if (results.front().binary_trace_ms)
-        columns.push_back({"binary", [](Result r) { return fixed_text(r.binary_ns_per_ray().value(), 1); }});
     return fmt::format("{}\n{}", trace_title(results.front().trace), table_text(columns, results));
 }
 

@@ -19,10 +19,9 @@ struct MetricsResult {
     double epo = 0.0;
     std::optional<double> epo_error;  ///< Standard error; absent where EPO is exact.
     double epo_ms = 0.0;              ///< What it took to compute, by the wall clock.
-    /// On the host, the same rays two children at a time; absent on a device, whose only way that is.
-    std::optional<Sample> binary_trace_ms;
+    Sample binary_trace_ms;           ///< Of the same rays through the tree's own nodes, counting what they visit.
 
-    [[nodiscard]] std::optional<double> binary_ns_per_ray() const;
+    [[nodiscard]] double binary_ns_per_ray() const;
     /// With the measurement `ns_per_ray`.
     [[nodiscard]] TreeCost cost(double ns_per_ray) const;
 };

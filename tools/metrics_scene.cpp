@@ -33,13 +33,12 @@ void describe(MetricsResult& result, const Bvh& bvh, const Mesh& mesh, std::uint
     result.epo_ms = stopwatch.milliseconds();
 }
 
-/// Each tree's engine and, on the host, the same one counting, so that all of them take their turns in one round.
+/// Each tree's engine, and the same one counting; all of them take their turns in one round.
 class Field {
 public:
-    Field(const std::vector<TraceCandidate>& candidates, bool on_device) : stride_(on_device ? 1 : 2) {
+    explicit Field(const std::vector<TraceCandidate>& candidates) {
         for (const TraceCandidate& candidate : candidates) {
             entrants_.push_back({candidate.base.builder, candidate.engine.get()});
-            if (on_device) continue;
             CountingEngine& counting = counting_.emplace_back(*candidate.engine, counts_);
             entrants_.push_back({candidate.base.builder + ", binary", &counting});
         }
@@ -48,17 +47,13 @@ public:
     void measure(const RaySet& set, std::size_t runs, RoundsProgress& progress) {
         costs_ = measure_rays(entrants_, set, runs, progress);
     }
-    [[nodiscard]] const RayCost& cost(std::size_t candidate) const { return costs_[candidate * stride_]; }
-    [[nodiscard]] std::optional<Sample> binary_trace_ms(std::size_t candidate) const {
-        if (stride_ == 1) return {};
-        return costs_[candidate * stride_ + 1].trace_ms;
-    }
+    [[nodiscard]] const RayCost& cost(std::size_t candidate) const { return costs_[2 * candidate]; }
+    [[nodiscard]] const RayCost& binary_cost(std::size_t candidate) const { return costs_[2 * candidate + 1]; }
 
 private:
     std::vector<RayCounts> counts_;
     std::list<CountingEngine> counting_;  // entrants point into it
     std::vector<RayEntrant> entrants_;
-    std::size_t stride_;
     std::vector<RayCost> costs_;
 };
 
@@ -80,11 +75,11 @@ std::vector<MetricsResult> measure_scene(const MetricsSettings& settings, const 
     const RaySet set =
         rays.rays(rays.kinds.front(), scene, viewed.mesh, closest_hits_of(*candidates.front().engine), viewed.camera);
     RoundsProgress progress(title, bar);
-    Field field(candidates, tracing.on_device);
+    Field field(candidates);
     field.measure(set, settings.tracing.runs, progress);
     for (std::size_t i = 0; i < results.size(); ++i) {
         results[i].trace = result_of(results[i].trace, rays, set, viewed.camera, field.cost(i));
-        results[i].binary_trace_ms = field.binary_trace_ms(i);
+        results[i].binary_trace_ms = field.binary_cost(i).trace_ms;
     }
     return results;
 }

@@ -16,8 +16,8 @@ struct MetricsSettings {
     std::uint64_t epo_samples = 0;  ///< 0: exact.
 };
 
-/// Builds a tree with each builder, describes it, and traces the same rays through all of them, in the same rounds; on
-/// the host also two children at a time. The rays, of one kind, are made on the first tree.
+/// Builds a tree with each builder, describes it, and traces the same rays through all of them, in the same rounds, and
+/// once more through the trees' own nodes. The rays, of one kind, are made on the first tree.
 [[nodiscard]] std::vector<MetricsResult> measure_scene(const MetricsSettings& settings, const RayArguments& rays,
                                                        const TracerArguments& tracing, const std::string& scene,
                                                        const ViewedScene& viewed, ProgressBar& bar);

@@ -162,6 +162,20 @@ TEST_CASE("metrics estimates EPO from samples where it is told to") {
     CHECK_THAT(metrics(sampled).out, Contains(" +- "));
 }
 
+TEST_CASE("metrics traces on a device where it is told to") {
+    const Outcome outcome = run_tool({"metrics", "gen:city:1000", "--builders", "sbvh,lbvh", "--tracer", "device",
+                                      "--count", "2000", "--runs", "1", "--json", "-"});
+    INFO(outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    const ordered_json document = ordered_json::parse(outcome.out);
+    check_device(document["device"]);
+    for (const ordered_json& result : document["results"]) {
+        CHECK(result["device"] == document["device"]["name"]);
+        CHECK(result["binary_ns_per_ray"].get<double>() > 0.0);
+        CHECK(result["mismatches"] == 0);
+    }
+}
+
 TEST_CASE("metrics refuses what cannot be before it works") {
     const auto refused = [](const Words& words, int code, const std::string& part) {
         const Outcome outcome = metrics(words);

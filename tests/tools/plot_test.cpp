@@ -102,6 +102,11 @@ TEST_CASE("rays and predictions are drawn from what metrics writes") {
         CHECK(plotted.success);
         CHECK(is_png(png));
     }
+    const std::string tables = CLBVH_PYTHON " $(dirname " CLBVH_PLOT ")/ray_cost.py ";
+    const Plotted page = run_shell(tables + json);
+    CHECK(page.success);
+    for (const char* part : {"# What rays cost", "| gen:soup:500 |", "**weights shared**", "| `sbvh` |"})
+        CHECK_THAT(page.text, Contains(part));
     const auto refused = [&](const std::string& arguments, const std::string& part) {
         const Plotted plotted = plot(arguments + " " + json + " " + png);
         CHECK_FALSE(plotted.success);
@@ -112,6 +117,7 @@ TEST_CASE("rays and predictions are drawn from what metrics writes") {
     refused("predict --leave-out median", "has 3 builders to show on gen:city:1000");
     const std::string builds = folder.path("builds.json");
     bench(builds, {"gen:soup:500", "--builders", "median"});
+    CHECK_THAT(run_shell(tables + builds).text, Contains("holds no metrics") && !Contains("Traceback"));
     CHECK_THAT(plot("rays " + builds + " " + png).text, Contains("has no rays"));
     CHECK_THAT(plot("predict " + builds + " " + png).text, Contains("has no EPO"));
 }
