@@ -133,7 +133,8 @@ public:
     /// Ordered by t, then by primitive; each primitive once.
     [[nodiscard]] std::vector<Hit> take_hits() {
         std::ranges::sort(hits_, [](const Hit& a, const Hit& b) { return is_closer(a.t, a.primitive, b); });
-        hits_.erase(std::ranges::unique(hits_, {}, &Hit::primitive).begin(), hits_.end());
+        const auto is_same = [](const Hit& a, const Hit& b) { return a.primitive == b.primitive; };
+        hits_.erase(std::unique(hits_.begin(), hits_.end(), is_same), hits_.end());
         return std::move(hits_);
     }
 

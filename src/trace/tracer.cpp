@@ -45,7 +45,7 @@ struct Tracer::State {
           arena(arena_size(options)),
           depth(check_tree(bvh, mesh)),
           nodes(bvh.nodes),
-          triangles(copy_triangles(bvh, mesh)),
+          triangles(arena.execute([&] { return copy_triangles(bvh, mesh); })),
           wide_tree(make_wide_tree(nodes, triangles)),
           wide(wide_tracing(best_instruction_set(), options.triangle_test)) {}
 
@@ -57,8 +57,10 @@ struct Tracer::State {
             FixedNodeStack stack;
             detail::traverse(nodes.data(), ray, leaf, counts, stack);
         } else {
-            GrowingNodeStack stack;
-            detail::traverse(nodes.data(), ray, leaf, counts, stack);
+            with_memory_errors("the stack of a ray", [&] {
+                GrowingNodeStack stack;
+                detail::traverse(nodes.data(), ray, leaf, counts, stack);
+            });
         }
     }
 

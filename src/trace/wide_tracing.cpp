@@ -11,6 +11,7 @@
 
 #include "clbvh/trace/box_tests.hpp"
 #include "clbvh/trace/traverse.hpp"
+#include "core/memory_errors.hpp"
 #include "trace/triangle_tests.hpp"
 
 #if defined(CLBVH_TRACE_HAS_SSE2) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
@@ -33,7 +34,8 @@ public:
     explicit WideStack(std::uint32_t depth) {
         const std::size_t most = std::size_t{depth} * (kWideChildren - 1) + 1;
         if (most <= few_.size()) return;
-        many_ = std::make_unique_for_overwrite<DeferredChild[]>(most);
+        many_ = with_memory_errors("the stack of a ray",
+                                   [&] { return std::make_unique_for_overwrite<DeferredChild[]>(most); });
         entries_ = many_.get();
     }
     [[nodiscard]] DeferredChild* entries() noexcept { return entries_; }
@@ -61,6 +63,8 @@ namespace portable {
 #define CLBVH_TRACE_LANES 1
 #include "trace/wide_lanes.ipp"
 // Written in terms of the lanes.
+#include "trace/wide_triangles.ipp"
+// Written in terms of both.
 #include "trace/wide_tracing.ipp"
 #undef CLBVH_TRACE_LANES
 }  // namespace portable
@@ -70,6 +74,8 @@ namespace sse2 {
 #define CLBVH_TRACE_LANES 4
 #include "trace/wide_lanes.ipp"
 // Written in terms of the lanes.
+#include "trace/wide_triangles.ipp"
+// Written in terms of both.
 #include "trace/wide_tracing.ipp"
 #undef CLBVH_TRACE_LANES
 }  // namespace sse2
@@ -83,6 +89,8 @@ namespace avx2 {
 #define CLBVH_TRACE_LANES 8
 #include "trace/wide_lanes.ipp"
 // Written in terms of the lanes.
+#include "trace/wide_triangles.ipp"
+// Written in terms of both.
 #include "trace/wide_tracing.ipp"
 #undef CLBVH_TRACE_LANES
 }  // namespace avx2
@@ -92,23 +100,16 @@ namespace avx2 {
 }  // namespace
 
 bool is_available(InstructionSet set) noexcept {
-    switch (set) {
-        case InstructionSet::portable: return true;
-        case InstructionSet::sse2:
-#if defined(CLBVH_TRACE_HAS_SSE2)
-            return true;
-#else
-            return false;
-#endif
-        case InstructionSet::avx2:
 #if defined(CLBVH_TRACE_HAS_AVX2)
-            return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-                   __builtin_cpu_supports("lzcnt");
-#else
-            return false;
-#endif
+    if (set == InstructionSet::avx2) {
+        return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
+               __builtin_cpu_supports("lzcnt");
     }
-    return false;
+#endif
+#if defined(CLBVH_TRACE_HAS_SSE2)
+    if (set == InstructionSet::sse2) return true;
+#endif
+    return set == InstructionSet::portable;
 }
 
 InstructionSet best_instruction_set() noexcept {

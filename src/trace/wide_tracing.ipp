@@ -1,4 +1,4 @@
-// Tracing through a wide tree, in terms of the vectors of wide_lanes.ipp.
+// Tracing through a wide tree, in terms of the vectors of wide_lanes.ipp and the tests of wide_triangles.ipp.
 
 /// The ray's side of the eight box tests of a node; the arithmetic is that of RaySlabs.
 class WideBoxTest {
@@ -31,116 +31,6 @@ private:
     std::array<std::size_t, 3> near_side_;
 };
 
-/// Which triangles of a block a ray hits: one bit each. `inexact` ones have an edge function of 0, so that the test of
-/// a single triangle has to decide.
-struct BlockHits {
-    std::uint32_t sure, inexact;
-};
-
-/// WatertightTest on four triangles.
-class WatertightLanes {
-public:
-    WatertightLanes(const WatertightTest& test, const Ray&, float t_min) noexcept
-        : x_(test.shear().x),
-          y_(test.shear().y),
-          z_(test.shear().z),
-          origin_{Floats4::filled(test.shear().origin[x_]), Floats4::filled(test.shear().origin[y_]),
-                  Floats4::filled(test.shear().origin[z_])},
-          factors_{Floats4::filled(test.shear().factor_x), Floats4::filled(test.shear().factor_y),
-                   Floats4::filled(test.shear().factor_z)},
-          t_min_(Floats4::filled(t_min)) {}
-
-    /// Sets t of the sure ones; all of them are between the ray's beginning and t_max.
-    BlockHits hits(const TriangleBlock& block, float t_max, float* t) const noexcept {
-        const Sheared a = sheared(block, 0);
-        const Sheared b = sheared(block, 1);
-        const Sheared c = sheared(block, 2);
-        const Floats4 u = c.x * b.y - c.y * b.x;
-        const Floats4 v = a.x * c.y - a.y * c.x;
-        const Floats4 w = b.x * a.y - b.y * a.x;
-        const Floats4 zero = Floats4::filled(0.0f);
-        // A NaN among them makes the determinant, and so t, NaN too.
-        const std::uint32_t outside = less(min(min(u, v), w), zero) & less(zero, max(max(u, v), w));
-        const std::uint32_t inside = ~outside & 15U;
-        if (inside == 0) return {0, 0};
-        const std::uint32_t inexact = inside & (equal(u, zero) | equal(v, zero) | equal(w, zero));
-        const Floats4 determinant = (u + v) + w;
-        const Floats4 scaled_t = ((u * a.z) + (v * b.z)) + (w * c.z);
-        const Floats4 quotient = scaled_t / determinant;
-        quotient.store(t);
-        const std::uint32_t in_range = less_equal(t_min_, quotient) & less_equal(quotient, Floats4::filled(t_max));
-        return {inside & ~inexact & in_range & ~equal(determinant, zero), inexact};
-    }
-
-private:
-    struct Sheared {
-        Floats4 x, y, z;
-    };
-
-    [[nodiscard]] Sheared sheared(const TriangleBlock& block, std::size_t vertex) const noexcept {
-        const auto& p = block.vertices[vertex];
-        const Floats4 z = Floats4::load(p[z_].data()) - origin_[2];
-        return {(Floats4::load(p[x_].data()) - origin_[0]) - factors_[0] * z,
-                (Floats4::load(p[y_].data()) - origin_[1]) - factors_[1] * z, factors_[2] * z};
-    }
-
-    std::size_t x_, y_, z_;
-    std::array<Floats4, 3> origin_, factors_;
-    Floats4 t_min_;
-};
-
-/// MollerTrumboreTest on four triangles.
-class MollerTrumboreLanes {
-public:
-    MollerTrumboreLanes(const MollerTrumboreTest&, const Ray& ray, float t_min) noexcept
-        : origin_(filled(ray.origin)), direction_(filled(ray.direction)), t_min_(Floats4::filled(t_min)) {}
-
-    /// Sets t of the sure ones; all of them are between the ray's beginning and t_max.
-    BlockHits hits(const TriangleBlock& block, float t_max, float* t) const noexcept {
-        const Vector v0 = vertex(block, 0);
-        const Vector edge1 = difference(vertex(block, 1), v0);
-        const Vector edge2 = difference(vertex(block, 2), v0);
-        const Vector p = cross(direction_, edge2);
-        const Floats4 determinant = dot(edge1, p);
-        const Floats4 inverse = Floats4::filled(1.0f) / determinant;
-        const Vector s = difference(origin_, v0);
-        const Vector q = cross(s, edge1);
-        const Floats4 u = dot(s, p) * inverse;
-        const Floats4 v = dot(direction_, q) * inverse;
-        const Floats4 zero = Floats4::filled(0.0f);
-        const std::uint32_t inside = less_equal(zero, u) & less_equal(zero, v) &
-                                     less_equal(u + v, Floats4::filled(1.0f)) & ~equal(determinant, zero);
-        if (inside == 0) return {0, 0};
-        const Floats4 product = dot(edge2, q) * inverse;
-        product.store(t);
-        return {inside & less_equal(t_min_, product) & less_equal(product, Floats4::filled(t_max)), 0};
-    }
-
-private:
-    struct Vector {
-        Floats4 x, y, z;
-    };
-
-    static Vector filled(const Vec3& v) noexcept {
-        return {Floats4::filled(v.x), Floats4::filled(v.y), Floats4::filled(v.z)};
-    }
-    static Vector vertex(const TriangleBlock& block, std::size_t i) noexcept {
-        const auto& p = block.vertices[i];
-        return {Floats4::load(p[0].data()), Floats4::load(p[1].data()), Floats4::load(p[2].data())};
-    }
-    static Vector difference(const Vector& a, const Vector& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    static Vector cross(const Vector& a, const Vector& b) noexcept {
-        return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-    }
-    static Floats4 dot(const Vector& a, const Vector& b) noexcept { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
-
-    Vector origin_, direction_;
-    Floats4 t_min_;
-};
-
-template <typename Test>
-using LanesOf = std::conditional_t<std::is_same_v<Test, WatertightTest>, WatertightLanes, MollerTrumboreLanes>;
-
 /// Whether one triangle that `hits` names is hit; `t` is what was computed for a sure one. u and v are of no meaning.
 template <typename Test>
 std::optional<PlaneHit> confirm(const HitRule& rule, const Test& test, const TriangleBlock& block, std::uint32_t lane,
@@ -154,6 +44,8 @@ std::optional<PlaneHit> confirm(const HitRule& rule, const Test& test, const Tri
 template <typename Test>
 class ClosestBlock {
 public:
+    static constexpr bool kNearFirst = true;
+
     explicit ClosestBlock(const Ray& ray) noexcept
         : rule_(ray), test_(ray), lanes_(test_, ray, rule_.t_min()), t_max_(ray.t_max) {}
 
@@ -203,6 +95,8 @@ private:
 template <typename Test>
 class AnyBlock {
 public:
+    static constexpr bool kNearFirst = false;
+
     explicit AnyBlock(const Ray& ray) noexcept : rule_(ray), test_(ray), lanes_(test_, ray, rule_.t_min()) {}
 
     [[nodiscard]] const RaySlabs& slabs() const noexcept { return rule_.slabs(); }
@@ -246,7 +140,20 @@ inline std::uint32_t defer_all_but_nearest(const WideTree& tree, const WideNode&
     return nearest.child;
 }
 
-/// Takes the ray to the blocks of all leaves whose boxes it meets, near ones first.
+/// Puts the children that are hit onto the stack, last ones first, save the first, which is returned.
+inline std::uint32_t defer_all_but_first(const WideTree& tree, const WideNode& node, std::uint32_t hits,
+                                         DeferredChild* stack, std::size_t& size) noexcept {
+    for (;;) {
+        const auto slot = static_cast<std::uint32_t>(31 - std::countl_zero(hits));
+        const std::uint32_t other = node.children[slot];
+        hits ^= 1U << slot;
+        if (hits == 0) return other;
+        stack[size++] = {0.0f, other};
+        prefetch(tree, other);
+    }
+}
+
+/// Takes the ray to the blocks of all leaves whose boxes it meets, near ones first where the visitor needs them so.
 template <typename Visitor>
 void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept {
     const WideBoxTest box_test(visitor.slabs());
@@ -263,7 +170,11 @@ void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept
             alignas(32) std::array<float, kWideChildren> entries;
             std::uint32_t hits = box_test.enter(node, visitor.t_max(), entries.data());
             if (hits != 0) {
-                child = defer_all_but_nearest(tree, node, entries.data(), hits, stack, size);
+                if constexpr (Visitor::kNearFirst) {
+                    child = defer_all_but_nearest(tree, node, entries.data(), hits, stack, size);
+                } else {
+                    child = defer_all_but_first(tree, node, hits, stack, size);
+                }
                 continue;
             }
         }

@@ -1,6 +1,8 @@
 #include "trace/wide_tree.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <utility>
 
 namespace clbvh::trace {
 namespace {
@@ -29,13 +31,23 @@ private:
         std::uint32_t binary;
         std::uint32_t parent, slot;
         std::uint32_t depth;
+        bool is_small;
     };
 
-    /// Binary nodes that become the children of one wide node.
-    struct Children {
-        std::array<std::uint32_t, kWideChildren> binary;
-        std::uint32_t count = 0;
+    /// A binary node that may become a child of a wide one.
+    struct Candidate {
+        std::uint32_t binary;
+        float area;
+        bool is_small;
     };
+    using Children = std::array<Candidate, kWideChildren>;
+
+    /// Areas that are NaN, as those of boxes that no builder makes, count as 0.
+    [[nodiscard]] Candidate candidate(std::uint32_t binary) const {
+        const Node& node = nodes_[binary];
+        const float area = half_area(node.bounds());
+        return {binary, area > 0.0f ? area : 0.0f, is_small(node)};
+    }
 
     /// True where the whole subtree goes into one leaf.
     [[nodiscard]] bool is_small(const Node& node) const {
@@ -51,35 +63,31 @@ private:
     }
 
     /// Opens the node, then the largest one again and again until there are eight. A root that is small stays alone.
-    [[nodiscard]] Children children_of(std::uint32_t binary) const {
-        if (is_small(nodes_[binary])) return {{binary}, 1};
-        const std::uint32_t first_child = nodes_[binary].first;
-        Children children{{first_child, first_child + 1}, 2};
-        while (children.count < kWideChildren) {
-            std::uint32_t largest = kWideChildren;
-            float largest_area = -1.0f;
-            for (std::uint32_t i = 0; i < children.count; ++i) {
-                const Node& node = nodes_[children.binary[i]];
-                const float area = half_area(node.bounds());
-                if (area > largest_area && !is_small(node)) {
-                    largest = i;
-                    largest_area = area;
-                }
-            }
-            if (largest == kWideChildren) break;
-            const std::uint32_t first = nodes_[children.binary[largest]].first;
-            children.binary[largest] = first;
-            children.binary[children.count++] = first + 1;
+    /// Large children come first: rays that look for any hit try them in this order.
+    std::span<const Candidate> children_of(std::uint32_t binary, Children& children) const {
+        std::size_t count = 1;
+        children[0] = candidate(binary);
+        for (auto opened = children.begin(); count < kWideChildren && !opened->is_small;) {
+            const std::uint32_t first = nodes_[opened->binary].first;
+            *opened = candidate(first);
+            children[count++] = candidate(first + 1);
+            const auto end = children.begin() + count;
+            opened = std::max_element(children.begin(), end, [](const Candidate& a, const Candidate& b) {
+                return std::pair(!a.is_small, a.area) < std::pair(!b.is_small, b.area);
+            });
         }
-        return children;
+        const std::span<Candidate> found = std::span(children).first(count);
+        std::ranges::stable_sort(found, std::greater{}, &Candidate::area);
+        return found;
     }
 
     std::uint32_t add_node(std::uint32_t binary, std::uint32_t depth) {
         const auto index = static_cast<std::uint32_t>(made_nodes_.size());
-        const Children children = children_of(binary);
+        Children memory;
+        const std::span<const Candidate> children = children_of(binary, memory);
         WideNode& node = made_nodes_.emplace_back();
         for (std::uint32_t slot = 0; slot < kWideChildren; ++slot) {
-            const Aabb box = slot < children.count ? nodes_[children.binary[slot]].bounds() : Aabb{};
+            const Aabb box = slot < children.size() ? nodes_[children[slot].binary].bounds() : Aabb{};
             const std::array<Vec3, 2> corners = {box.lower, box.upper};
             for (std::size_t side = 0; side < 2; ++side) {
                 node.bounds[side][0][slot] = corners[side].x;
@@ -88,8 +96,8 @@ private:
             }
             node.children[slot] = kLeafFlag;
         }
-        for (std::uint32_t slot = children.count; slot-- > 0;)
-            open_.push_back({children.binary[slot], index, slot, depth + 1});
+        for (auto slot = static_cast<std::uint32_t>(children.size()); slot-- > 0;)
+            open_.push_back({children[slot].binary, index, slot, depth + 1, children[slot].is_small});
         depth_ = std::max(depth_, depth);
         return index;
     }

@@ -106,7 +106,7 @@ TEST_CASE("trees of any depth are traced") {
             const Chain chain(length, rest_is_first);
             const Tracer tracer(chain.bvh, chain.mesh);
             CHECK(tracer.depth() == length - 1);
-            const float end = static_cast<float>(length);
+            const auto end = static_cast<float>(length);
             // From the far end every leaf is deferred, and from the near end none.
             const Ray from_end{{end, 0.0f, -0.5f}, 0.0f, {-1, 0, 0}};
             const Ray from_begin{{-1.0f, 0.0f, -0.5f}, 0.0f, {1, 0, 0}};

@@ -7,6 +7,7 @@
 
 #include "clbvh/builder.hpp"
 #include "clbvh/io/scene.hpp"
+#include "support/builders.hpp"
 #include "support/expect_error.hpp"
 #include "support/ray_oracle.hpp"
 
@@ -81,6 +82,19 @@ TEST_CASE("the closest hit does not depend on the tree, and any() tells whether 
                 INFO(scene.name << ", " << tree.name << ", test " << static_cast<int>(test));
                 CHECK(count_differences(Tracer(tree.bvh, mesh, {test}), rays, expected) == 0);
             }
+        }
+    }
+}
+
+TEST_CASE("the closest hit does not depend on a tree that a device built") {
+    for (const char* scene : {"soup", "city", "hair"}) {
+        const Mesh mesh = generate_scene(scene, 300);
+        const std::vector<Ray> rays = difficult_rays(mesh, 40);
+        const std::vector<Hit> expected = closest_without_tree(mesh, rays, TriangleTest::watertight);
+        for (const std::string_view id : device_builders()) {
+            INFO(scene << ", " << id);
+            const Bvh bvh = make_builder(id).build(mesh);
+            CHECK(count_differences(Tracer(bvh, mesh), rays, expected) == 0);
         }
     }
 }

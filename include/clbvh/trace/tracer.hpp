@@ -29,7 +29,9 @@ class Tracer {
 public:
     /// Throws Error(invalid_input) where the tree is none over the mesh: nodes, ids or indices out of range, or loops.
     Tracer(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options = {});
+    Tracer(const Tracer&) = delete;
     Tracer(Tracer&&) noexcept;
+    Tracer& operator=(const Tracer&) = delete;
     Tracer& operator=(Tracer&&) noexcept;
     ~Tracer();
 
