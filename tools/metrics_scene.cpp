@@ -36,14 +36,13 @@ void describe(MetricsResult& result, const Bvh& bvh, const Mesh& mesh, std::uint
 /// Each tree's engine and, on the host, the same one counting, so that all of them take their turns in one round.
 class Field {
 public:
-    Field(const std::vector<TraceCandidate>& candidates, bool on_device) {
+    Field(const std::vector<TraceCandidate>& candidates, bool on_device) : stride_(on_device ? 1 : 2) {
         for (const TraceCandidate& candidate : candidates) {
             entrants_.push_back({candidate.base.builder, candidate.engine.get()});
             if (on_device) continue;
             CountingEngine& counting = counting_.emplace_back(*candidate.engine, counts_);
             entrants_.push_back({candidate.base.builder + ", binary", &counting});
         }
-        stride_ = on_device ? 1 : 2;
     }
 
     void measure(const RaySet& set, std::size_t runs, RoundsProgress& progress) {

@@ -204,11 +204,14 @@ CostFit fit_costs(std::span<const std::vector<TreeCost>> scenes, CostTerms terms
     }
     constexpr int kGrid = 100;
     constexpr int kFinerReach = 15;
-    constexpr double kFinestStep = 1e-8;
+    constexpr int kFinerGrids = 6;
     Best best;
     search_around({}, 1.0 / kGrid, kGrid, terms, moments, best);
-    for (double step = 0.1 / kGrid; step > kFinestStep; step *= 0.1)
+    double step = 1.0 / kGrid;
+    for (int grid = 0; grid < kFinerGrids; ++grid) {
+        step *= 0.1;
         search_around(best.fit().weights, step, kFinerReach, terms, moments, best);
+    }
     return best.fit();
 }
 

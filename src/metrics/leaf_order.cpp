@@ -61,9 +61,10 @@ void LeafOrder::number_references(const Bvh& bvh, std::uint64_t triangle_count) 
         }
     }
     // Children come behind their parent, the second one's subtree last.
-    for (auto index = nodes_.rbegin(); index != nodes_.rend(); ++index) {
-        const Node& node = bvh.nodes[*index];
-        ranges_[*index].end = node.is_leaf() ? ranges_[*index].begin + node.count : ranges_[node.first + 1].end;
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+        const std::uint32_t index = nodes_[i];
+        const Node& node = bvh.nodes[index];
+        ranges_[index].end = node.is_leaf() ? ranges_[index].begin + node.count : ranges_[node.first + 1].end;
     }
 }
 

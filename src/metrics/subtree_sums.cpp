@@ -1,6 +1,6 @@
 #include "metrics/subtree_sums.hpp"
 
-#include <ranges>
+#include <cstddef>
 
 #include "metrics/node_cost.hpp"
 
@@ -15,7 +15,8 @@ Aabb intersection(const Aabb& a, const Aabb& b) {
 
 SubtreeSums::SubtreeSums(const Bvh& bvh, const LeafOrder& order, const SahCosts& costs) : sums_(bvh.nodes.size()) {
     // Children come behind their parents in the walk.
-    for (const std::uint32_t index : std::views::reverse(order.nodes())) {
+    for (std::size_t i = order.nodes().size(); i-- > 0;) {
+        const std::uint32_t index = order.nodes()[i];
         const Node& node = bvh.nodes[index];
         Sum& sum = sums_[index];
         sum = {node.bounds(), node_cost(node, costs)};
