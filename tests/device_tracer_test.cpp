@@ -206,21 +206,22 @@ TEST_CASE("device tracer: any block, group, stack and persistent groups find the
     const std::vector<Ray> rays = rays_for(mesh);
     const Bvh bvh = build(mesh, "locally-ordered");
     const Found expected = found_by_host(bvh, mesh, TriangleTest::watertight, rays);
-    for (const Shape shape : {Shape::group, Shape::lane}) {
-        for (const auto& [block, stack] : {std::pair{1u, 1u}, std::pair{100u, 5u}}) {
-            for (const std::uint32_t persistent : {0u, 3u}) {
-                INFO(to_string(shape) << ", " << block << ", " << stack << ", " << persistent);
-                DeviceTracerOptions options = tracer_options(shape);
-                options.work_group_size = 16;
-                options.block_rays = block;
-                options.stack_entries = stack;
-                options.persistent_groups = persistent;
-                DeviceTracer tracer(shared_context(), options);
-                CHECK(tracer.shape() == shape);
-                tracer.set_scene(bvh, mesh);
-                check_same(found_by_device(tracer, rays), expected);
-            }
-        }
+    struct Row {
+        Shape shape;
+        std::uint32_t block, stack, persistent;
+    };
+    for (const Row& row : {Row{Shape::group, 1, 1, 3}, Row{Shape::group, 100, 5, 0}, Row{Shape::lane, 1, 1, 0},
+                           Row{Shape::lane, 100, 5, 3}}) {
+        INFO(to_string(row.shape) << ", " << row.block << ", " << row.stack << ", " << row.persistent);
+        DeviceTracerOptions options = tracer_options(row.shape);
+        options.work_group_size = 16;
+        options.block_rays = row.block;
+        options.stack_entries = row.stack;
+        options.persistent_groups = row.persistent;
+        DeviceTracer tracer(shared_context(), options);
+        CHECK(tracer.shape() == row.shape);
+        tracer.set_scene(bvh, mesh);
+        check_same(found_by_device(tracer, rays), expected);
     }
 }
 
@@ -249,8 +250,9 @@ TEST_CASE("device tracer: no tree is too deep for a ray's stack") {
 }
 
 TEST_CASE("device tracer: triangles in any form, and copied in the order of the leaves") {
-    const Mesh mesh = random_triangles(3000);
+    Mesh mesh = random_triangles(3000);
     const std::vector<Ray> rays = rays_for(mesh);
+    deactivate_triangles(mesh, 0, 7);
     DeviceBuilder builder("hploc", shared_context());
     for (const InputLayout& layout : triangle_layouts()) {
         DeviceTree tree(builder, layout, mesh);
@@ -353,13 +355,21 @@ TEST_CASE("device tracer: every ray misses where no primitive is active, and whe
     tree.enqueue();
     for_each_tracer([&](DeviceTracer& tracer) {
         const Found nothing(rays.size());
-        for (const DeviceScene& scene : {scene_of(tree), DeviceScene{}}) {
-            const DeviceRayMemory memory(tracer, scene_of(tree).bvh, rays);
+        const DeviceRayMemory memory(tracer, scene_of(tree).bvh, rays);
+        DeviceScene copied = scene_of(tree);
+        copied.copy = memory.copy();
+        tracer.enqueue_copy(shared_queue(), copied);
+        tracer.enqueue_copy(shared_queue(), DeviceScene{});
+        for (const DeviceScene& scene : {scene_of(tree), copied, DeviceScene{}}) {
             tracer.enqueue_closest(shared_queue(), scene, memory.rays());
             CHECK(count_differences(memory.hits(), nothing.hits) == 0);
             CHECK(count_differences(memory.counts(), nothing.closest_counts) == 0);
             tracer.enqueue_any(shared_queue(), scene, memory.rays());
             CHECK(count_differences(memory.bytes(), nothing.is_hit) == 0);
+            DeviceRays uncounted = memory.rays();
+            uncounted.counts = {};
+            tracer.enqueue_closest(shared_queue(), scene, uncounted);
+            CHECK(count_differences(memory.hits(), nothing.hits) == 0);
             CHECK(memory.guards_are_whole());
         }
         Bvh empty;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
-#include <clbvh/core/vector.hpp>
 #include <cmath>
+
+#include "colour.hpp"
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
@@ -23,10 +24,6 @@ float pressed(float x) {
 
 float to_srgb(float linear) {
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
-}
-
-float luminance(const Vec3& colour) {
-    return dot(colour, {0.2126f, 0.7152f, 0.0722f});
 }
 
 unsigned char byte_of(float value) {
@@ -68,7 +65,7 @@ float fitting_exposure(const Picture& light, const std::vector<std::uint8_t>& co
     double count = 0.0;
     for (std::size_t i = 0; i < light.pixels().size(); ++i) {
         if (!all && counts[i] == 0) continue;
-        sum += std::log(1e-4 + static_cast<double>(luminance(light.pixels()[i])));
+        sum += std::log(1e-4 + static_cast<double>(brightness(light.pixels()[i])));
         count += 1.0;
     }
     return count > 0.0 ? static_cast<float>(middle_grey / std::exp(sum / count)) : 1.0f;
