@@ -8,7 +8,7 @@
 #include <bit>
 #include <numeric>
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 namespace {
 
 constexpr std::uint32_t kGrain = 8192;
@@ -99,4 +99,4 @@ void Candidates::collect(const Threshold& threshold) {
     });
 }
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

@@ -6,7 +6,7 @@
 
 #include "optimize/edit_tree.hpp"
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 /// Chooses the nodes that are worth a search for a better place.
 class Candidates {
@@ -32,4 +32,4 @@ private:
     std::vector<std::uint32_t> chosen_;
 };
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

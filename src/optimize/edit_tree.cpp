@@ -7,7 +7,7 @@
 
 #include "core/bottom_up.hpp"
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 double exact_half_area(const Node& node) noexcept {
     const double x = double{node.upper[0]} - double{node.lower[0]};
@@ -44,4 +44,4 @@ bool EditTree::refit(std::uint32_t slot) noexcept {
     return true;
 }
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

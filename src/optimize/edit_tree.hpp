@@ -8,7 +8,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "core/box4.hpp"
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 /// Half the surface area in double precision, in which the sums that decide are made.
 [[nodiscard]] double exact_half_area(const Node& node) noexcept;
@@ -58,4 +58,4 @@ private:
     std::vector<std::uint32_t> parents_;  // of sibling pair p
 };
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

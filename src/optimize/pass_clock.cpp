@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 PassClock::PassClock(std::string_view name, const OptimizeBudget& budget, std::uint32_t own_limit)
     : name_(name), budget_(budget), most_passes_(budget.passes > 0 ? budget.passes : own_limit) {}
@@ -36,4 +36,4 @@ OptimizeStats PassClock::finish() {
     return stats_;
 }
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

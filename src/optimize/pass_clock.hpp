@@ -5,7 +5,7 @@
 
 #include "clbvh/optimize/budget.hpp"
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 /// Keeps an optimiser within its budget, and the books of it.
 class PassClock {
@@ -33,4 +33,4 @@ private:
     OptimizeStats stats_;
 };
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

@@ -57,7 +57,7 @@ public:
 
     RefitStats run() {
         Node& root = tree_.nodes[0];
-        const double area_before = optimize::exact_half_area(root);
+        const double area_before = optimizer::exact_half_area(root);
         if (root.is_leaf()) {
             Costs& sums = sums_.local();
             refit_leaf(root, sums);
@@ -69,7 +69,7 @@ public:
         const Costs sums = sums_.combine([](const Costs& a, const Costs& b) {
             return Costs{a.before + b.before, a.after + b.after};
         });
-        return {relative(sums.before, area_before), relative(sums.after, optimize::exact_half_area(root))};
+        return {relative(sums.before, area_before), relative(sums.after, optimizer::exact_half_area(root))};
     }
 
 private:
@@ -101,8 +101,8 @@ private:
     }
 
     static void replace(Node& node, const Node& fitted, double cost, Costs& sums) {
-        sums.before += cost * optimize::exact_half_area(node);
-        sums.after += cost * optimize::exact_half_area(fitted);
+        sums.before += cost * optimizer::exact_half_area(node);
+        sums.after += cost * optimizer::exact_half_area(fitted);
         node = fitted;
     }
 

@@ -26,11 +26,11 @@
 namespace clbvh {
 namespace {
 
-using optimize::EditTree;
-using optimize::PassClock;
-using optimize::Reinsertion;
-using optimize::ReinsertionMove;
-using optimize::ReinsertionSearch;
+using optimizer::EditTree;
+using optimizer::PassClock;
+using optimizer::Reinsertion;
+using optimizer::ReinsertionMove;
+using optimizer::ReinsertionSearch;
 
 constexpr std::uint32_t kMostPasses = 64;
 // Most is gained by few moves at first, so that passes begin with few candidates, and take twice as many whenever one
@@ -94,7 +94,7 @@ private:
     const ReinsertConfig& config_;
     PassClock clock_;
     ReinsertionMove move_;
-    optimize::Candidates candidates_;
+    optimizer::Candidates candidates_;
     tbb::enumerable_thread_specific<ReinsertionSearch> searches_{[this] { return ReinsertionSearch(tree_); }};
     std::vector<Reinsertion> found_;
 };
@@ -104,8 +104,8 @@ private:
 Bvh reinsert(Bvh tree, const ReinsertConfig& config, OptimizeStats* stats) {
     check_range("candidates", config.candidates, 1e-9f, 1.0f);
     check_range("least_gain", config.least_gain, 0.0f, 1.0f);
-    return optimize::run_optimizer(std::move(tree), "reinsertion", stats,
-                                   [&](Bvh& improved) { return Reinserter(improved, config).run(); });
+    return optimizer::run_optimizer(std::move(tree), "reinsertion", stats,
+                                    [&](Bvh& improved) { return Reinserter(improved, config).run(); });
 }
 
 }  // namespace clbvh

@@ -17,8 +17,8 @@
 namespace clbvh {
 namespace {
 
-using optimize::EditTree;
-using optimize::exact_half_area;
+using optimizer::EditTree;
+using optimizer::exact_half_area;
 
 constexpr std::uint32_t kMostPasses = 1000;
 constexpr std::uint32_t kPassesPerLook = 10;  // at what they saved
@@ -107,7 +107,7 @@ private:
             const std::uint32_t left = tree_[node].first;
             const bool right_is_larger = exact_half_area(tree_[left + 1]) > exact_half_area(tree_[left]);
             const std::uint32_t child = left + (right_is_larger == (turn == 0) ? 1 : 0);
-            const optimize::Reinsertion found = search_.find(child);
+            const optimizer::Reinsertion found = search_.find(child);
             if (found.gain > 0.0f && move_.make(found.from, found.to) > 0.0) ++changes;
         }
         return changes;
@@ -115,9 +115,9 @@ private:
 
     EditTree tree_;
     const ReinsertBatchesConfig& config_;
-    optimize::PassClock clock_;
-    optimize::ReinsertionSearch search_;
-    optimize::ReinsertionMove move_;
+    optimizer::PassClock clock_;
+    optimizer::ReinsertionSearch search_;
+    optimizer::ReinsertionMove move_;
     std::vector<Rated> rated_;
     Random random_{kSeed};
 };
@@ -127,8 +127,8 @@ private:
 Bvh reinsert_batches(Bvh tree, const ReinsertBatchesConfig& config, OptimizeStats* stats) {
     check_range("batch", config.batch, 1e-9f, 1.0f);
     check_range("least_gain", config.least_gain, 0.0f, 1.0f);
-    return optimize::run_optimizer(std::move(tree), "reinsertion", stats,
-                                   [&](Bvh& improved) { return BatchReinserter(improved, config).run(); });
+    return optimizer::run_optimizer(std::move(tree), "reinsertion", stats,
+                                    [&](Bvh& improved) { return BatchReinserter(improved, config).run(); });
 }
 
 }  // namespace clbvh

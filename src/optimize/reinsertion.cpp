@@ -2,7 +2,7 @@
 
 #include "core/prefetch.hpp"
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 Reinsertion ReinsertionSearch::find(std::uint32_t from) {
     const Subtree subtree{tree_.box(from), tree_.box(from).half_area()};
@@ -113,4 +113,4 @@ void ReinsertionMove::undo() {
     }
 }
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

@@ -5,7 +5,7 @@
 
 #include "optimize/edit_tree.hpp"
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 /// A subtree and the node beside which it would stand. `gain` is what that saves of the inner nodes' half areas.
 struct Reinsertion {
@@ -74,4 +74,4 @@ private:
     std::vector<Saved> journal_;
 };
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

@@ -26,11 +26,11 @@
 namespace clbvh {
 namespace {
 
-using optimize::EditTree;
-using optimize::exact_half_area;
-using optimize::GreedyChoice;
-using optimize::PassClock;
-using optimize::Rotation;
+using optimizer::EditTree;
+using optimizer::exact_half_area;
+using optimizer::GreedyChoice;
+using optimizer::PassClock;
+using optimizer::Rotation;
 
 constexpr std::uint32_t kMostPasses = 1000;
 constexpr double kInnerCost = 10.0;  // that temperatures refer to; see AnnealConfig
@@ -155,7 +155,7 @@ void order_pair(Node& a, Node& b) {
 
 Bvh rotate(Bvh tree, const RotateConfig& config, OptimizeStats* stats) {
     check_range("least_gain", config.least_gain, 0.0f, 1.0f);
-    return optimize::run_optimizer(std::move(tree), "rotations", stats, [&](Bvh& improved) {
+    return optimizer::run_optimizer(std::move(tree), "rotations", stats, [&](Bvh& improved) {
         EditTree edited(improved.nodes);
         Scratch scratch;
         PassClock clock("rotate", config.budget, kMostPasses);
@@ -169,7 +169,7 @@ Bvh anneal(Bvh tree, const AnnealConfig& config, OptimizeStats* stats) {
     check_range("length", config.length, 1, kLongestSchedule);
     check_positive("period", config.period);
     check_range("hottest", config.hottest, 0.0f, 100.0f);
-    return optimize::run_optimizer(std::move(tree), "annealing", stats, [&](Bvh& improved) {
+    return optimizer::run_optimizer(std::move(tree), "annealing", stats, [&](Bvh& improved) {
         const OptimizeStats done = Annealer(improved, config).run();
         order_siblings(improved);
         return done;

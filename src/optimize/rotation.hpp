@@ -5,7 +5,7 @@
 
 #include "optimize/edit_tree.hpp"
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 /// The exchange of two subtrees below one node, and what it saves of its children's half areas; negative where it
 /// costs.
@@ -77,4 +77,4 @@ Rotation best_rotation(const EditTree& tree, std::uint32_t slot, const Choice& c
     return best;
 }
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

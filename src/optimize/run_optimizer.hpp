@@ -6,7 +6,7 @@
 #include "clbvh/optimize/budget.hpp"
 #include "core/memory_errors.hpp"
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 /// Runs `optimize(tree)` on a tree that has inner nodes; `what` names the work in Error(out_of_memory).
 template <typename Optimize>
@@ -17,4 +17,4 @@ template <typename Optimize>
     return tree;
 }
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

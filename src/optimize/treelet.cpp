@@ -21,8 +21,8 @@
 namespace clbvh {
 namespace {
 
-using optimize::exact_half_area;
-using optimize::TreeletSearch;
+using optimizer::exact_half_area;
+using optimizer::TreeletSearch;
 
 constexpr std::uint32_t kPasses = 3;
 constexpr std::size_t kMostLeaves = TreeletSearch::kMostLeaves;
@@ -162,7 +162,7 @@ private:
 
     std::vector<Node>& nodes_;
     const TreeletConfig& config_;
-    optimize::PassClock clock_;
+    optimizer::PassClock clock_;
     std::vector<std::uint32_t> sizes_;  // leaves below the parent of pair p
     tbb::enumerable_thread_specific<TreeletSearch> searches_;
     std::uint32_t least_size_ = 0;
@@ -173,8 +173,8 @@ private:
 
 Bvh restructure_treelets(Bvh tree, const TreeletConfig& config, OptimizeStats* stats) {
     check_range("leaves", config.leaves, 3, TreeletSearch::kMostLeaves);
-    return optimize::run_optimizer(std::move(tree), "treelet restructuring", stats,
-                                   [&](Bvh& improved) { return TreeletOptimizer(improved, config).run(); });
+    return optimizer::run_optimizer(std::move(tree), "treelet restructuring", stats,
+                                    [&](Bvh& improved) { return TreeletOptimizer(improved, config).run(); });
 }
 
 }  // namespace clbvh

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 void TreeletSearch::run(std::span<const Box4> boxes) noexcept {
     all_ = (1u << boxes.size()) - 1;
@@ -30,4 +30,4 @@ void TreeletSearch::run(std::span<const Box4> boxes) noexcept {
     }
 }
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

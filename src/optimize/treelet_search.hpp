@@ -7,7 +7,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "core/box4.hpp"
 
-namespace clbvh::optimize {
+namespace clbvh::optimizer {
 
 /// The best binary tree over a few boxes, by dynamic programming over all subsets (Karras, Aila 2013, section 3.2).
 /// A subset is a number whose bit i stands for box i.
@@ -34,4 +34,4 @@ private:
     std::array<std::uint8_t, kSubsets> parts_;
 };
 
-}  // namespace clbvh::optimize
+}  // namespace clbvh::optimizer

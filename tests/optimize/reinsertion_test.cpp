@@ -12,10 +12,10 @@
 
 using namespace clbvh;
 using namespace clbvh::test;
-using optimize::EditTree;
-using optimize::Reinsertion;
-using optimize::ReinsertionMove;
-using optimize::ReinsertionSearch;
+using optimizer::EditTree;
+using optimizer::Reinsertion;
+using optimizer::ReinsertionMove;
+using optimizer::ReinsertionSearch;
 
 namespace {
 
@@ -173,7 +173,7 @@ TEST_CASE("reinsertion: a move saves what it says, or leaves every byte as it wa
 TEST_CASE("reinsertion: candidates are as many as asked for, those first whose parents are much larger") {
     Bvh tree = make_builder("lbvh").build(generate_scene("clustered", 20000));
     const EditTree edit(tree.nodes);
-    optimize::Candidates candidates;
+    optimizer::Candidates candidates;
     const auto worth = [&](std::uint32_t slot) {
         return edit.box(edit.parent(slot)).half_area() - edit.box(slot).half_area();
     };

@@ -12,8 +12,8 @@
 
 using namespace clbvh;
 using namespace clbvh::test;
-using optimize::EditTree;
-using optimize::Rotation;
+using optimizer::EditTree;
+using optimizer::Rotation;
 
 namespace {
 
@@ -64,7 +64,7 @@ TEST_CASE("rotate: where it ends, no exchange saves anything") {
         const EditTree edit(tree.nodes);
         for (const std::uint32_t slot : inner_slots(tree)) {
             INFO(builder << ", slot " << slot);
-            CHECK_FALSE(best_rotation(edit, slot, optimize::GreedyChoice{}));
+            CHECK_FALSE(best_rotation(edit, slot, optimizer::GreedyChoice{}));
         }
     }
 }

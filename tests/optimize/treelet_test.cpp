@@ -15,7 +15,7 @@
 
 using namespace clbvh;
 using namespace clbvh::test;
-using optimize::TreeletSearch;
+using optimizer::TreeletSearch;
 
 namespace {
 
@@ -107,7 +107,7 @@ TEST_CASE("treelet: a tree of seven leaves becomes the best there is") {
     for (std::uint32_t seed = 1; seed <= 20; ++seed) {
         const std::vector<Aabb> boxes = random_boxes(7, seed);
         Bvh tree = restructure_treelets(make_builder("lbvh").build(mesh_of_boxes(boxes)));
-        const optimize::EditTree edit(tree.nodes);
+        const optimizer::EditTree edit(tree.nodes);
         CHECK(edit.inner_half_area() == Approx(AllTrees(boxes).least_area()).epsilon(1e-5));
     }
 }
