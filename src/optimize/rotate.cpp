@@ -30,7 +30,7 @@ using optimizer::EditTree;
 using optimizer::exact_half_area;
 using optimizer::GreedyChoice;
 using optimizer::PassClock;
-using optimizer::Rotation;
+using optimizer::TreeRotation;
 
 constexpr std::uint32_t kMostPasses = 1000;
 constexpr double kInnerCost = 10.0;  // that temperatures refer to; see AnnealConfig
@@ -42,7 +42,7 @@ template <typename ChoiceFor>
 std::uint64_t rotate_bottom_up(EditTree& tree, Scratch& scratch, const ChoiceFor& choice_for) {
     std::atomic<std::uint64_t> changes = 0;
     const auto visit = [&](std::uint32_t slot) {
-        const Rotation rotation = best_rotation(tree, slot, choice_for(slot));
+        const TreeRotation rotation = best_rotation(tree, slot, choice_for(slot));
         if (!rotation) return;
         make_rotation(tree, slot, rotation);
         changes.fetch_add(1, std::memory_order_relaxed);
@@ -70,7 +70,7 @@ public:
     HotChoice(double temperature, double area, std::uint64_t seed)
         : temperature_(temperature), area_(area), seed_(seed) {}
 
-    [[nodiscard]] bool operator()(const Rotation& best, const Rotation& candidate, std::uint32_t index) const {
+    [[nodiscard]] bool operator()(const TreeRotation& best, const TreeRotation& candidate, std::uint32_t index) const {
         if (candidate.saved > best.saved) return true;
         // In the cost of this node alone, as the paper has it: relative to its area.
         const double rise = area_ > 0.0 ? kInnerCost * (best.saved - candidate.saved) / area_ : 0.0;

@@ -9,7 +9,7 @@ namespace clbvh::optimizer {
 
 /// The exchange of two subtrees below one node, and what it saves of its children's half areas; negative where it
 /// costs.
-struct Rotation {
+struct TreeRotation {
     std::uint32_t a = 0;  ///< Slots; both 0: none.
     std::uint32_t b = 0;
     double saved = 0.0;
@@ -19,7 +19,7 @@ struct Rotation {
 
 /// Decides between what was best so far and a candidate, the `index`-th of its node.
 struct GreedyChoice {
-    [[nodiscard]] bool operator()(const Rotation& best, const Rotation& candidate,
+    [[nodiscard]] bool operator()(const TreeRotation& best, const TreeRotation& candidate,
                                   std::uint32_t /*index*/) const noexcept {
         return candidate.saved > best.saved;
     }
@@ -33,10 +33,10 @@ struct GreedyChoice {
 ///      / |   / |
 ///    LL  LR RL  RR
 template <typename Choice>
-[[nodiscard]] Rotation best_rotation(const EditTree& tree, std::uint32_t slot, const Choice& choice);
+[[nodiscard]] TreeRotation best_rotation(const EditTree& tree, std::uint32_t slot, const Choice& choice);
 
 /// Makes the exchange at the inner node `slot`, boxes included.
-inline void make_rotation(EditTree& tree, std::uint32_t slot, const Rotation& rotation) noexcept {
+inline void make_rotation(EditTree& tree, std::uint32_t slot, const TreeRotation& rotation) noexcept {
     tree.exchange(rotation.a, rotation.b);
     for (const std::uint32_t child : {tree[slot].first, tree[slot].first + 1}) {
         if (!tree[child].is_leaf()) static_cast<void>(tree.refit(child));
@@ -51,10 +51,10 @@ inline void make_rotation(EditTree& tree, std::uint32_t slot, const Rotation& ro
 }
 
 template <typename Choice>
-Rotation best_rotation(const EditTree& tree, std::uint32_t slot, const Choice& choice) {
-    Rotation best;
+TreeRotation best_rotation(const EditTree& tree, std::uint32_t slot, const Choice& choice) {
+    TreeRotation best;
     std::uint32_t index = 0;
-    const auto consider = [&](const Rotation& candidate) {
+    const auto consider = [&](const TreeRotation& candidate) {
         if (choice(best, candidate, index++)) best = candidate;
     };
     const std::array<std::uint32_t, 2> children{tree[slot].first, tree[slot].first + 1};

@@ -13,7 +13,7 @@
 using namespace clbvh;
 using namespace clbvh::test;
 using optimizer::EditTree;
-using optimizer::Rotation;
+using optimizer::TreeRotation;
 
 namespace {
 
@@ -32,7 +32,7 @@ std::vector<std::uint32_t> inner_slots(const Bvh& tree) {
 /// Goes through the candidates and keeps the `wanted`-th.
 struct PickOne {
     std::uint32_t wanted;
-    bool operator()(const Rotation&, const Rotation&, std::uint32_t index) const { return index == wanted; }
+    bool operator()(const TreeRotation&, const TreeRotation&, std::uint32_t index) const { return index == wanted; }
 };
 
 }  // namespace
@@ -46,7 +46,7 @@ TEST_CASE("rotate: each of the six exchanges saves what the areas say afterwards
             Bvh rotated = tree;
             EditTree edit(rotated.nodes);
             const double before = edit.inner_half_area();
-            const Rotation rotation = best_rotation(edit, slot, PickOne{index});
+            const TreeRotation rotation = best_rotation(edit, slot, PickOne{index});
             if (!rotation) continue;
             ++seen;
             make_rotation(edit, slot, rotation);
