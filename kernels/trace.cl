@@ -226,12 +226,15 @@ KERNEL void widen_rest(SCENE_ARGUMENTS, WIDE_ARGUMENTS, uint node_capacity, uint
 }
 #endif
 
-KERNEL void leaf_triangles(SCENE_ARGUMENTS, uint reference_count, global uchar* rows_buffer, ulong rows_offset) {
+KERNEL void leaf_triangles(SCENE_ARGUMENTS, uint primitive_count, uint reference_count, global uchar* rows_buffer,
+                           ulong rows_offset) {
     const Scene scene = SCENE;
     const TriangleRay unturned = {0, 1, 2};
     global float4* const rows = AT(float4, rows_buffer, rows_offset);
     const size_t begin = BLOCK_RAYS * get_group_id(0);
     FOR_WORK_ITEMS(i, begin, min(begin + BLOCK_RAYS, (size_t)reference_count)) {
+        // Behind the tree's own references, which nobody has counted, may be anything.
+        if (scene.triangles.primitive_ids[i] >= primitive_count) continue;
         uint primitive;
         const Corners corners = corners_of(scene.triangles, i, unturned, &primitive);
         rows[LEAF_ROWS * i] = corners.x;

@@ -1,4 +1,4 @@
-// Builders on real meshes: the folder that CLBVH_SCENES names, where it is set.
+// Builders and rays on real meshes: the folder that CLBVH_SCENES names, where it is set.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -6,10 +6,13 @@
 #include <optional>
 
 #include "clbvh/core/validate.hpp"
+#include "clbvh/device/device_tracer.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/epo.hpp"
 #include "clbvh/metrics/sah.hpp"
+#include "clbvh/trace/tracer.hpp"
 #include "support/builders.hpp"
+#include "support/ray_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -58,6 +61,46 @@ void expect_good_trees_of(const std::string& name) {
     if (mesh) expect_good_trees(*mesh);
 }
 
+/// How many of the rays find something else on the device, or cost something else.
+std::size_t count_other_hits(const Tracer& host, DeviceTracer& device, const std::vector<Ray>& rays) {
+    std::vector<Hit> expected(rays.size()), counted(rays.size()), uncounted(rays.size());
+    std::vector<RayCounts> expected_counts(rays.size()), counts(rays.size());
+    host.closest(rays, expected, expected_counts);
+    device.closest(rays, counted, counts);
+    device.closest(rays, uncounted);
+    std::size_t differences = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const bool agrees = same_bits(counted[i], expected[i]) && same_bits(uncounted[i], expected[i]) &&
+                            counts[i] == expected_counts[i];
+        if (!agrees) ++differences;
+    }
+    return differences;
+}
+
+/// Rays of all kinds through trees with leaves of one and of several triangles.
+void expect_same_hits(const std::string& name) {
+    const std::optional<Mesh> mesh = load_scene_mesh(name);
+    if (!mesh) return;
+    const std::vector<Ray> rays = difficult_rays(*mesh, 5000);
+    BuildOptions collapsed;
+    collapsed.max_leaf_size = 8;
+    for (const Bvh& bvh : {make_builder("hploc").build(*mesh), build(*mesh, "binned-sah", collapsed)}) {
+        const Tracer host(bvh, *mesh);
+        for (const Shape shape : {Shape::lane, Shape::group}) {
+            DeviceTracerOptions options;
+            options.shape = shape;
+            DeviceTracer device(shared_context(), options);
+            if (!device.is_exact()) {
+                WARN("SKIPPED: the device does not promise the host's rounding");
+                return;
+            }
+            device.set_scene(bvh, *mesh);
+            INFO(name << ", " << to_string(shape));
+            CHECK(count_other_hits(host, device, rays) == 0);
+        }
+    }
+}
+
 }  // namespace
 
 TEST_CASE("builders on the mesh bunny") {
@@ -68,6 +111,16 @@ TEST_CASE("builders on the mesh kitchen_obvhs") {
 }
 TEST_CASE("builders on the mesh living_room") {
     expect_good_trees_of("living_room");
+}
+
+TEST_CASE("rays on the device through the mesh bunny") {
+    expect_same_hits("bunny");
+}
+TEST_CASE("rays on the device through the mesh kitchen_obvhs") {
+    expect_same_hits("kitchen_obvhs");
+}
+TEST_CASE("rays on the device through the mesh living_room") {
+    expect_same_hits("living_room");
 }
 
 TEST_CASE("end-point overlap of real meshes, exact and from samples") {

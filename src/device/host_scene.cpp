@@ -48,6 +48,7 @@ void HostScene::copy_triangles(Session& session, const TraceSettings& settings, 
     scene_.reference_count = static_cast<std::uint32_t>(bvh.primitive_ids.size());
     TraceScene from_mesh = scene_;
     from_mesh.primitive_ids = {upload(session, as_span(bvh.primitive_ids))};
+    from_mesh.mesh.primitive_count = static_cast<std::uint32_t>(mesh.triangles.size());
     from_mesh.mesh.vertices = upload(session, as_span(mesh.vertices));
     from_mesh.mesh.triangles = upload(session, as_span(mesh.triangles));
     from_mesh.mesh.vertex_stride = sizeof(Vec3);

@@ -137,9 +137,10 @@ void launch_copy(Launcher& launcher, const TraceSettings& settings, const TraceS
     launcher.begin_stage("copy", 0.0);
     const ProgramSpec program = trace_program(settings);
     const auto kernel = [&](const char* name) -> Kernel& { return launcher.session().kernel(program, name); };
-    launch_with(launcher, kernel("leaf_triangles"), groups_for(scene.reference_count, settings.block_rays),
-                std::tuple_cat(scene_arguments(scene, copy.buffer),
-                               std::make_tuple(scene.reference_count, copy.buffer, copy.offset)));
+    launch_with(
+        launcher, kernel("leaf_triangles"), groups_for(scene.reference_count, settings.block_rays),
+        std::tuple_cat(scene_arguments(scene, copy.buffer),
+                       std::make_tuple(scene.mesh.primitive_count, scene.reference_count, copy.buffer, copy.offset)));
     const CopyPlan plan = plan_copy(settings, scene.reference_count);
     if (!plan.is_wide) return;
     TraceScene copied = scene;

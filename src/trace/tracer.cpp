@@ -57,8 +57,10 @@ struct Tracer::State {
             FixedNodeStack stack;
             detail::traverse(nodes.data(), ray, leaf, counts, stack);
         } else {
-            GrowingNodeStack stack;
-            detail::traverse(nodes.data(), ray, leaf, counts, stack);
+            with_memory_errors("the stack of a ray", [&] {
+                GrowingNodeStack stack;
+                detail::traverse(nodes.data(), ray, leaf, counts, stack);
+            });
         }
     }
 

@@ -11,6 +11,7 @@
 
 #include "clbvh/trace/box_tests.hpp"
 #include "clbvh/trace/traverse.hpp"
+#include "core/memory_errors.hpp"
 #include "trace/triangle_tests.hpp"
 
 #if defined(CLBVH_TRACE_HAS_SSE2) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
@@ -33,7 +34,8 @@ public:
     explicit WideStack(std::uint32_t depth) {
         const std::size_t most = std::size_t{depth} * (kWideChildren - 1) + 1;
         if (most <= few_.size()) return;
-        many_ = std::make_unique_for_overwrite<DeferredChild[]>(most);
+        many_ = with_memory_errors("the stack of a ray",
+                                   [&] { return std::make_unique_for_overwrite<DeferredChild[]>(most); });
         entries_ = many_.get();
     }
     [[nodiscard]] DeferredChild* entries() noexcept { return entries_; }

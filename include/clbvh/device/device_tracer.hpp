@@ -122,7 +122,7 @@ public:
     [[nodiscard]] const Context& context() const noexcept;
     /// The shape that runs: group or lane.
     [[nodiscard]] Shape shape() const noexcept;
-    /// True on devices that round divisions correctly and keep denormal numbers.
+    /// True on devices that promise to round divisions correctly and to keep denormal numbers.
     [[nodiscard]] bool is_exact() const noexcept;
 
 private:
