@@ -9,23 +9,13 @@
 #include <cstddef>
 #include <utility>
 
+#include "colour.hpp"
+
 namespace clbvh::tool {
 namespace {
 
 constexpr int kLevels = 5;
 constexpr std::array<float, 5> kSpline{1.0f / 16, 1.0f / 4, 3.0f / 8, 1.0f / 4, 1.0f / 16};
-
-float brightness(const Vec3& colour) {
-    return dot(colour, {0.2126f, 0.7152f, 0.0722f});
-}
-
-Vec3 quotient(const Vec3& a, const Vec3& b) {
-    return {a.x / b.x, a.y / b.y, a.z / b.z};
-}
-
-Vec3 product(const Vec3& a, const Vec3& b) {
-    return {a.x * b.x, a.y * b.y, a.z * b.z};
-}
 
 /// One picture on its way through the levels.
 class Filter {
@@ -37,7 +27,7 @@ public:
           light_(picture.light.pixels()),
           variance_(picture.variance) {
         for (std::size_t i = 0; i < light_.size(); ++i)
-            light_[i] = quotient(light_[i], picture.albedo.pixels()[i]);
+            light_[i] = demodulated(light_[i], picture.albedo.pixels()[i]);
     }
 
     void run() {
@@ -57,7 +47,9 @@ public:
     [[nodiscard]] const std::vector<Vec3>& light() const { return light_; }
 
 private:
-    [[nodiscard]] std::size_t index(int x, int y) const { return static_cast<std::size_t>(y * width_ + x); }
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
     [[nodiscard]] bool is_within(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
 
     /// A pixel's own variance is of few samples, and a poor guide.
@@ -141,7 +133,7 @@ void denoise(LitPicture& picture) {
     filter.run();
     std::vector<Vec3>& pixels = picture.light.pixels();
     for (std::size_t i = 0; i < pixels.size(); ++i)
-        pixels[i] = product(filter.light()[i], picture.albedo.pixels()[i]);
+        pixels[i] = modulated(filter.light()[i], picture.albedo.pixels()[i]);
 }
 
 }  // namespace clbvh::tool

@@ -11,9 +11,9 @@ namespace clbvh::tool {
 struct LitPicture {
     Picture light;
     std::vector<float> variance;  ///< Of each pixel's brightness, the albedo divided out, as a mean of samples.
-    Picture albedo;               ///< What the surface does to colours; ones where that is of no matter.
-    Picture normal;               ///< Of the surface; zero for the sky.
-    Picture position;             ///< Of the surface.
+    Picture albedo;    ///< What the surface does to colours; ones for the sky and for a ground that is not the mesh's.
+    Picture normal;    ///< Of the surface; zero for the sky.
+    Picture position;  ///< Of the surface.
     std::vector<std::uint8_t> is_surface;  ///< 1 or 0 each.
 
     LitPicture(std::uint32_t width, std::uint32_t height);

@@ -121,40 +121,15 @@ std::vector<Lamp> lamps_below_ceiling(const SeenPoints& seen, const Vec3& up, fl
     return lamps;
 }
 
-/// From where to where the mesh reaches along a direction.
-struct Extent {
-    float from = kEndless;
-    float to = -kEndless;
-
-    Extent(const Mesh& mesh, const Vec3& direction) {
-        for (const Triangle& triangle : mesh.triangles) {
-            for (const std::uint32_t index : triangle) {
-                const float at = dot(mesh.vertices[index], direction);
-                if (std::isnan(at)) continue;
-                from = std::min(from, at);
-                to = std::max(to, at);
-            }
-        }
+/// The height of the mesh's lowest point.
+float lowest(const Mesh& mesh, const Vec3& up) {
+    float height = kEndless;
+    for (const Triangle& triangle : mesh.triangles) {
+        // A comparison with NaN is false.
+        for (const std::uint32_t index : triangle)
+            height = std::min(height, dot(mesh.vertices[index], up));
     }
-    [[nodiscard]] float part(float share) const { return from + share * (to - from); }
-};
-
-/// The height of the mesh's lowest point where looks down from above mostly do not end on a ground.
-std::optional<float> missing_ground(const Mesh& mesh, const Compass& compass, RayEngine& engine) {
-    constexpr int side = 16;
-    constexpr double most_holes = 0.1;
-    const Extent height(mesh, compass.up);
-    const Extent along(mesh, compass.north);
-    const Extent across(mesh, compass.east);
-    std::vector<Ray> rays;
-    for (int i = 0; i < side * side; ++i) {
-        const float north = along.part((static_cast<float>(i % side) + 0.5f) / side);
-        const float east = across.part((static_cast<float>(i / side) + 0.5f) / side);
-        const Vec3 above = (compass.north * north + compass.east * east) + compass.up * height.to;
-        rays.push_back({above, 0.0f, -compass.up, kEndless});
-    }
-    if (free_share(rays, rays.size(), engine) < most_holes) return {};
-    return height.from;
+    return height;
 }
 
 }  // namespace
@@ -176,7 +151,7 @@ Lighting fitting_lighting(const Mesh& mesh, const Camera& camera, RayEngine& eng
     lighting.up = compass.up;
     if (seen.points.empty() || openness(seen, engine) > open_to_the_sky) {
         lighting.to_sun = compass.direction(-2.2f, 0.85f);
-        if (!seen.points.empty()) lighting.ground = missing_ground(mesh, compass, engine);
+        if (!seen.points.empty()) lighting.ground = lowest(mesh, compass.up);
         lighting.ground_extent = 6.0f * length(camera.target - camera.eye);
         return lighting;
     }

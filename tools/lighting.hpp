@@ -37,8 +37,7 @@ inline constexpr float kSunRadius = 0.02f;
 inline constexpr Vec3 kLamplight{1.0f, 0.93f, 0.82f};
 
 /// Chooses what suits the view. Where most of what the camera sees is open to the sky: the sun over the viewer's left
-/// shoulder and, where the mesh has no ground of its own, one below it. Indoors: a sun that shines through windows,
-/// where some direction does, and lamps below the ceiling.
+/// shoulder, and a ground below the mesh. Indoors: a sun that shines in, where one can, and lamps below the ceiling.
 [[nodiscard]] Lighting fitting_lighting(const Mesh& mesh, const Camera& camera, RayEngine& engine);
 
 }  // namespace clbvh::tool

@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "colour.hpp"
 #include "light_sample.hpp"
 #include "sample_sequence.hpp"
 
@@ -23,14 +24,6 @@ constexpr std::uint32_t kRouletteFrom = 2;
 constexpr float kEndless = std::numeric_limits<float>::infinity();
 constexpr float kBrightest = 12.0f;  // of one path: a rare bright one would be a spot
 constexpr Vec3 kGroundAlbedo{0.50f, 0.48f, 0.45f};
-
-Vec3 modulated(const Vec3& a, const Vec3& b) {
-    return {a.x * b.x, a.y * b.y, a.z * b.z};
-}
-
-float brightness(const Vec3& colour) {
-    return dot(colour, {0.2126f, 0.7152f, 0.0722f});
-}
 
 /// A path under way.
 struct Path {
@@ -112,7 +105,7 @@ private:
                 return;
             }
             if (bounce == 0) first_[paths_[i].pixel] = *surface;
-            SampleSequence random(settings_.seed + 0x10001U * (bounce + 1), paths_[i].pixel, sample_);
+            SampleSequence random(settings_.seed + std::uint64_t{0x10001} * (bounce + 1), paths_[i].pixel, sample_);
             light_rays_[i] = light_ray(paths_[i], *surface, random);
             continue_path(paths_[i], *surface, bounce, random);
         });

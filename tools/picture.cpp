@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
-#include <clbvh/core/vector.hpp>
 #include <cmath>
+
+#include "colour.hpp"
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
 #pragma GCC diagnostic ignored "-Wextra"
-#define STB_IMAGE_WRITE_STATIC
+#ifndef __clang_analyzer__  // what it says of other people's code is not for this project
 #define STB_IMAGE_WRITE_IMPLEMENTATION
+#endif
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 
@@ -25,12 +27,8 @@ float to_srgb(float linear) {
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
 }
 
-float luminance(const Vec3& colour) {
-    return dot(colour, {0.2126f, 0.7152f, 0.0722f});
-}
-
 unsigned char byte_of(float value) {
-    return static_cast<unsigned char>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
+    return static_cast<unsigned char>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f));
 }
 
 void append(void* to, void* bytes, int count) {
@@ -68,13 +66,14 @@ float fitting_exposure(const Picture& light, const std::vector<std::uint8_t>& co
     double count = 0.0;
     for (std::size_t i = 0; i < light.pixels().size(); ++i) {
         if (!all && counts[i] == 0) continue;
-        sum += std::log(1e-4 + static_cast<double>(luminance(light.pixels()[i])));
+        sum += std::log(1e-4 + static_cast<double>(brightness(light.pixels()[i])));
         count += 1.0;
     }
     return count > 0.0 ? static_cast<float>(middle_grey / std::exp(sum / count)) : 1.0f;
 }
 
 std::string png_bytes(const Picture& picture) {
+    if (picture.pixels().empty()) throw Error(ErrorCode::invalid_input, "a picture without pixels has no PNG");
     std::vector<unsigned char> bytes;
     bytes.reserve(picture.pixels().size() * 3);
     for (const Vec3& pixel : picture.pixels())

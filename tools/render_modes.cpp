@@ -82,13 +82,21 @@ Picture render_occlusion(const Mesh& mesh, const Camera& camera, RayEngine& engi
         });
 }
 
+/// 1 for pixels that show the mesh, not the sky or the ground below it.
+std::vector<std::uint8_t> shows_mesh(const LitPicture& picture) {
+    std::vector<std::uint8_t> result;
+    for (const Vec3& albedo : picture.albedo.pixels())
+        result.push_back(albedo == Vec3{1.0f, 1.0f, 1.0f} ? 0 : 1);
+    return result;
+}
+
 Picture render_paths(const Mesh& mesh, const Camera& camera, RayEngine& engine, const RenderSettings& settings) {
     const SurfaceLook look(mesh, camera.up);
     const Lighting lighting = fitting_lighting(mesh, camera, engine);
     LitPicture lit = trace_paths(mesh, look, lighting, camera, engine, settings);
     constexpr std::uint32_t samples_with_variance = 4;
     if (settings.denoised && settings.samples >= samples_with_variance) denoise(lit);
-    const float exposure = fitting_exposure(lit.light, lit.is_surface);
+    const float exposure = fitting_exposure(lit.light, shows_mesh(lit));
     for (Vec3& pixel : lit.light.pixels())
         pixel = tone_mapped(pixel, exposure);
     return std::move(lit.light);
