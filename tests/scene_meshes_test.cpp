@@ -1,5 +1,6 @@
 // Builders and rays on real meshes: the folder that CLBVH_SCENES names, where it is set.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -7,6 +8,7 @@
 #include "clbvh/core/validate.hpp"
 #include "clbvh/device/device_tracer.hpp"
 #include "clbvh/io/scene.hpp"
+#include "clbvh/metrics/epo.hpp"
 #include "clbvh/metrics/sah.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "support/builders.hpp"
@@ -119,6 +121,25 @@ TEST_CASE("rays on the device through the mesh kitchen_obvhs") {
 }
 TEST_CASE("rays on the device through the mesh living_room") {
     expect_same_hits("living_room");
+}
+
+TEST_CASE("end-point overlap of real meshes, exact and from samples") {
+    for (const char* name : {"kitchen_obvhs", "staircase"}) {
+        const std::optional<Mesh> mesh = load_scene_mesh(name);
+        if (!mesh) return;
+        INFO(name);
+        double splitting = 0.0;
+        for (const char* id : {"sbvh", "binned-sah", "locally-ordered"}) {
+            INFO(id);
+            const Bvh bvh = make_builder(id).build(*mesh);
+            const double exact = end_point_overlap(bvh, *mesh);
+            const Estimate estimate = end_point_overlap_sampled(bvh, *mesh, 100000);
+            CHECK(std::abs(estimate.value - exact) < 4.5 * estimate.standard_error);
+            if (splitting == 0.0) splitting = exact;
+            // Spatial splits are what keeps triangles out of each other's boxes.
+            CHECK(splitting <= exact);
+        }
+    }
 }
 
 TEST_CASE("builders on larger generated scenes") {

@@ -93,6 +93,7 @@ Picture draw_heat(const Arguments& arguments, const BuilderChoice& choice, const
         if (arguments.heat_end == 0.0f) scale_end = std::max(scale_end, fitting_scale_end(heats.back()));
     }
     std::vector<Picture> maps;
+    maps.reserve(heats.size());
     for (const std::vector<float>& heat : heats)
         maps.push_back(heat_map(heat, settings.width, settings.height, scale_end));
     return side_by_side(maps);

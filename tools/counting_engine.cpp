@@ -10,10 +10,6 @@ void CountingEngine::any(std::span<const Ray> rays, std::span<std::uint8_t> is_h
     engine_.any(rays, is_hit, place_for(rays.size(), counts));
 }
 
-void CountingEngine::visits(std::span<const Ray> rays, std::span<RayCounts> counts) {
-    engine_.visits(rays, counts);
-}
-
 std::span<RayCounts> CountingEngine::place_for(std::size_t size, std::span<RayCounts> counts) {
     if (!counts.empty()) return counts;
     counts_.resize(size);

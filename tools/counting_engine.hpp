@@ -18,7 +18,7 @@ public:
 
     void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) override;
     void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) override;
-    void visits(std::span<const Ray> rays, std::span<RayCounts> counts) override;
+    void visits(std::span<const Ray> rays, std::span<RayCounts> counts) override { engine_.visits(rays, counts); }
 
 private:
     /// `counts`, or where there are none a place for `size` of them.

@@ -47,7 +47,9 @@ public:
     [[nodiscard]] const std::vector<Vec3>& light() const { return light_; }
 
 private:
-    [[nodiscard]] std::size_t index(int x, int y) const { return static_cast<std::size_t>(y * width_ + x); }
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
     [[nodiscard]] bool is_within(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
 
     /// A pixel's own variance is of few samples, and a poor guide.

@@ -105,7 +105,7 @@ private:
                 return;
             }
             if (bounce == 0) first_[paths_[i].pixel] = *surface;
-            SampleSequence random(settings_.seed + 0x10001U * (bounce + 1), paths_[i].pixel, sample_);
+            SampleSequence random(settings_.seed + std::uint64_t{0x10001} * (bounce + 1), paths_[i].pixel, sample_);
             light_rays_[i] = light_ray(paths_[i], *surface, random);
             continue_path(paths_[i], *surface, bounce, random);
         });

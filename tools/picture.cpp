@@ -9,8 +9,9 @@
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
 #pragma GCC diagnostic ignored "-Wextra"
-#define STB_IMAGE_WRITE_STATIC
+#ifndef __clang_analyzer__  // what it says of other people's code is not for this project
 #define STB_IMAGE_WRITE_IMPLEMENTATION
+#endif
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 
@@ -27,7 +28,7 @@ float to_srgb(float linear) {
 }
 
 unsigned char byte_of(float value) {
-    return static_cast<unsigned char>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
+    return static_cast<unsigned char>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f));
 }
 
 void append(void* to, void* bytes, int count) {
@@ -72,6 +73,7 @@ float fitting_exposure(const Picture& light, const std::vector<std::uint8_t>& co
 }
 
 std::string png_bytes(const Picture& picture) {
+    if (picture.pixels().empty()) throw Error(ErrorCode::invalid_input, "a picture without pixels has no PNG");
     std::vector<unsigned char> bytes;
     bytes.reserve(picture.pixels().size() * 3);
     for (const Vec3& pixel : picture.pixels())

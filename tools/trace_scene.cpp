@@ -73,6 +73,7 @@ std::vector<TraceResult> trace_scene(const TraceSettings& settings, const RayArg
                                      const ViewedScene& viewed, ProgressBar& bar) {
     const std::vector<TraceCandidate> candidates = build_candidates(settings, tracing, scene, viewed.mesh, bar);
     std::vector<RayEntrant> entrants;
+    entrants.reserve(candidates.size());
     for (const TraceCandidate& candidate : candidates)
         entrants.push_back({candidate.base.builder, candidate.engine.get()});
     std::vector<TraceResult> results;

@@ -111,7 +111,7 @@ Camera view_from_outside(const Aabb& box, const Vec3& up) {
 /// The small picture by which views are compared.
 constexpr std::uint32_t kSketchWidth = 16;
 constexpr std::uint32_t kSketchHeight = 9;
-constexpr std::size_t kSketchPixels = kSketchWidth * kSketchHeight;
+constexpr std::size_t kSketchPixels = std::size_t{kSketchWidth} * kSketchHeight;
 
 void add_sketch(const Camera& camera, std::vector<Ray>& rays) {
     const CameraRays view(camera, static_cast<float>(kSketchWidth) / kSketchHeight);
@@ -141,8 +141,8 @@ double worth(std::span<const Hit> sketch, float diagonal) {
         depth += part < 0.06f ? -1.0 : std::min(std::sqrt(static_cast<double>(part)), 0.8);
     }
     std::ranges::sort(seen);
-    const auto repeated = std::ranges::unique(seen);
-    return depth + 1.5 * static_cast<double>(repeated.begin() - seen.begin());
+    const auto repeated = std::unique(seen.begin(), seen.end());
+    return depth + 1.5 * static_cast<double>(repeated - seen.begin());
 }
 
 /// Cameras all over the box at the height of eyes, each looking around.

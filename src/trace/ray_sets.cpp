@@ -170,8 +170,8 @@ std::optional<RayKind> ray_kind_from(std::string_view name) noexcept {
 }
 
 std::vector<Ray> primary_rays(const Camera& camera, std::uint32_t width, std::uint32_t height, std::uint64_t seed) {
-    const float columns = static_cast<float>(width);
-    const float lines = static_cast<float>(height);
+    const auto columns = static_cast<float>(width);
+    const auto lines = static_cast<float>(height);
     const CameraRays camera_rays(camera, columns / lines);
     std::vector<Ray> rays(std::size_t{width} * height);
     tbb::parallel_for(std::uint32_t{0}, height, [&](std::uint32_t y) {

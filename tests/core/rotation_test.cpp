@@ -72,6 +72,6 @@ TEST_CASE("vertices that are not finite stay as they are, so that triangles stay
 TEST_CASE("a rotation without an axis or an angle is refused") {
     for (const Vec3& axis : {Vec3{}, Vec3{kNan, 0, 1}, Vec3{0, kInfinity, 0}})
         expect_error(ErrorCode::invalid_input, {"axis"}, [&] { Rotation(axis, 1); });
-    for (const double degrees : {double{kNan}, double{kInfinity}})
+    for (const double degrees : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
         expect_error(ErrorCode::invalid_input, {"angle"}, [&] { Rotation({1, 1, 1}, degrees); });
 }

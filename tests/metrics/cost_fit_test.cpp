@@ -24,9 +24,9 @@ Trees published_trees(const PublishedScene& scene, const PublishedCosts& costs) 
 }
 
 std::vector<Trees> published_trees(PublishedCosts PublishedScene::*kind) {
-    std::vector<Trees> scenes;
-    for (const PublishedScene& scene : kPublishedScenes)
-        scenes.push_back(published_trees(scene, scene.*kind));
+    std::vector<Trees> scenes(kPublishedScenes.size());
+    std::ranges::transform(kPublishedScenes, scenes.begin(),
+                           [kind](const PublishedScene& scene) { return published_trees(scene, scene.*kind); });
     return scenes;
 }
 

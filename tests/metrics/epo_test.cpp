@@ -62,8 +62,8 @@ std::vector<Bvh> trees_over(const Mesh& mesh) {
 Mesh apart(std::size_t count) {
     Mesh mesh = random_triangles(count);
     for (std::size_t i = 3; i < mesh.vertices.size(); ++i) {
-        mesh.vertices[i] = mesh.vertices[i % 3];
-        mesh.vertices[i].x += 4.0f * static_cast<float>(i / 3);
+        const Vec3& before = mesh.vertices[i - 3];
+        mesh.vertices[i] = {before.x + 4.0f, before.y, before.z};
     }
     return mesh;
 }
