@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/check_field.hpp"
-#include "host/morton.hpp"
 #include "core/prefetch.hpp"
+#include "host/morton.hpp"
 #include "host/radix_sort.hpp"
 
 namespace clbvh::host::aac {

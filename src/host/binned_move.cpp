@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "host/box8.hpp"
 #include "core/prefetch.hpp"
+#include "host/box8.hpp"
 
 namespace clbvh::host {
 namespace {

@@ -3,8 +3,8 @@
 #include <bit>
 #include <limits>
 
-#include "host/box8.hpp"
 #include "core/prefetch.hpp"
+#include "host/box8.hpp"
 
 namespace clbvh::host {
 namespace {

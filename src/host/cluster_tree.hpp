@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "host/reference.hpp"
 #include "core/scratch.hpp"
+#include "host/reference.hpp"
 
 namespace clbvh::host {
 

@@ -7,9 +7,9 @@
 #include <array>
 #include <span>
 
+#include "core/bottom_up.hpp"
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
-#include "core/bottom_up.hpp"
 #include "host/emit_tree.hpp"
 
 namespace clbvh::host {

@@ -7,9 +7,9 @@
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
+#include "core/scratch.hpp"
 #include "host/host_stages.hpp"
 #include "host/reference.hpp"
-#include "core/scratch.hpp"
 
 namespace clbvh::host {
 

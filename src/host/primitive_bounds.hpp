@@ -3,8 +3,8 @@
 #include <span>
 
 #include "clbvh/core/mesh.hpp"
-#include "host/reference.hpp"
 #include "core/scratch.hpp"
+#include "host/reference.hpp"
 
 namespace clbvh::host {
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <span>
 
+#include "core/scratch.hpp"
 #include "host/emit_tree.hpp"
 #include "host/reference.hpp"
-#include "core/scratch.hpp"
 
 namespace clbvh::host {
 

@@ -13,7 +13,6 @@
 namespace clbvh {
 namespace {
 
-
 constexpr Vec3 operator+(const Vec3& a, const Vec3& b) {
     return {a.x + b.x, a.y + b.y, a.z + b.z};
 }

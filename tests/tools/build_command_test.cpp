@@ -293,6 +293,7 @@ TEST_CASE("build's JSON holds the options that were in force") {
         {"split_alpha", 0.25, {"--alpha", "0.25"}},
         {"reference_budget", 1.5, {"--budget", "1.5"}},
         {"presplit_level", 14, {"--presplit"}},
+        {"optimizers", "rotate", {"--optimize", "rotate"}},
         {"thread_count", 1, {"--threads", "1"}},
         {"search_radius", 9, {"--radius", "9"}},
         {"shape", "lane", {"--shape", "lane"}},

@@ -46,7 +46,7 @@ const Words kSweep{"bench", "gen:city:2000", "--builders", "median", "--runs", "
 
 }  // namespace
 
-TEST_CASE("--rotate turns the scenes of every command that takes them") {
+TEST_CASE("every command that takes scenes turns them by --rotate") {
     const double upright = turned_sah(0.0);
     CHECK(turned_sah(45.0) > upright);
     for (const Words& command : {kBuild, kBench}) {
@@ -72,7 +72,7 @@ TEST_CASE("tables say that scenes were turned, and only then") {
     }
 }
 
-TEST_CASE("--rotate wants a finite number") {
+TEST_CASE("turning with --rotate wants a finite number") {
     for (const char* value : {"", "nan", "inf", "-inf", "far", "1e999"}) {
         INFO(value);
         const Outcome outcome = run_with(kBuild, {"--rotate", value});
