@@ -16,6 +16,7 @@ public:
     /// them.
     CountingEngine(RayEngine& engine, std::vector<RayCounts>& counts) : engine_(engine), counts_(counts) {}
 
+    [[nodiscard]] std::size_t rays_at_once() const override { return engine_.rays_at_once(); }
     void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) override;
     void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) override;
     void visits(std::span<const Ray> rays, std::span<RayCounts> counts) override { engine_.visits(rays, counts); }

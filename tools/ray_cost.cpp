@@ -24,11 +24,19 @@ public:
         }
     }
 
+    /// In pieces, between which Ctrl-C is heeded: bad trees take minutes. Throws Error(cancelled).
     void ask(RayEngine& engine, std::span<RayCounts> counts) {
-        if (asks_for_any_hit(set_.kind)) {
-            engine.any(set_.rays, is_hit_, counts);
-        } else {
-            engine.closest(set_.rays, hits_, counts);
+        const std::span<const Ray> rays = set_.rays;
+        const std::size_t piece = engine.rays_at_once();
+        for (std::size_t begin = 0; begin < rays.size(); begin += piece) {
+            throw_if_interrupted();
+            const std::size_t size = std::min(piece, rays.size() - begin);
+            const std::span<RayCounts> counts_of_piece = counts.empty() ? counts : counts.subspan(begin, size);
+            if (asks_for_any_hit(set_.kind)) {
+                engine.any(rays.subspan(begin, size), std::span(is_hit_).subspan(begin, size), counts_of_piece);
+            } else {
+                engine.closest(rays.subspan(begin, size), std::span(hits_).subspan(begin, size), counts_of_piece);
+            }
         }
     }
     [[nodiscard]] std::uint64_t hits() const {

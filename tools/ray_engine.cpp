@@ -6,10 +6,14 @@
 namespace clbvh::tool {
 namespace {
 
+constexpr std::size_t kHostRays = std::size_t{1} << 14;    // milliseconds
+constexpr std::size_t kDeviceRays = std::size_t{1} << 20;  // what DeviceTracer takes at a time
+
 class HostEngine final : public RayEngine {
 public:
     HostEngine(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options) : tracer_(bvh, mesh, options) {}
 
+    [[nodiscard]] std::size_t rays_at_once() const override { return kHostRays; }
     void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) override {
         if (counts.empty()) {
             tracer_.closest(rays, hits);
@@ -37,6 +41,7 @@ public:
         tracer_.set_scene(bvh, mesh);
     }
 
+    [[nodiscard]] std::size_t rays_at_once() const override { return kDeviceRays; }
     void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) override {
         tracer_.closest(rays, hits, counts);
     }

@@ -20,6 +20,9 @@ public:
     RayEngine& operator=(const RayEngine&) = delete;
     virtual ~RayEngine() = default;
 
+    /// How many rays a call should have at most, so that it ends soon, and at least, so that the call costs nothing
+    /// beside them.
+    [[nodiscard]] virtual std::size_t rays_at_once() const = 0;
     /// The spans have the same length; `counts` may be empty instead.
     virtual void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) = 0;
     /// 1 or 0 each.
