@@ -39,6 +39,14 @@ CallerMemory look_at_array(const Session& session, std::string_view name, const 
     return memory;
 }
 
+/// The same, of what kernels read.
+CallerMemory look_at_input(const Session& session, std::string_view name, const DeviceSpan& span, std::uint64_t bytes,
+                           std::uint64_t alignment) {
+    CallerMemory memory = look_at_array(session, name, span, bytes, alignment);
+    device::check_readable(memory);
+    return memory;
+}
+
 Block block_of(const CallerMemory& memory) {
     return {memory.buffer, memory.offset};
 }
@@ -58,6 +66,7 @@ void check_references(const Session& session, const DeviceScene& given, CheckedS
     device::check_multiple("the primitive ids' offset", given.bvh.primitive_ids.offset, 0, sizeof(cl_uint));
     checked.primitive_ids = device::look_at(session, "the primitive ids", given.bvh.primitive_ids,
                                             sizeof(cl_uint) * std::uint64_t{given.bvh.reference_count});
+    device::check_readable(checked.primitive_ids);
     checked.scene.primitive_ids = block_of(checked.primitive_ids);
     device::CallerInput input = device::check_input(session, given.triangles);
     checked.vertices = std::move(input.vertices);
@@ -73,19 +82,20 @@ CallerMemory look_at_copy(const Session& session, const TraceSettings& settings,
 void check_nodes(const Session& session, const DeviceScene& given, CheckedScene& checked) {
     checked.scene.node_count = given.bvh.node_count;
     checked.scene.reference_count = given.bvh.reference_count;
-    checked.nodes = look_at_array(session, "the nodes", given.bvh.nodes,
+    checked.nodes = look_at_input(session, "the nodes", given.bvh.nodes,
                                   sizeof(Node) * std::uint64_t{given.bvh.node_count}, kNodeAlignment);
     checked.scene.nodes = block_of(checked.nodes);
 }
 
 CheckedScene check_scene(const Session& session, const TraceSettings& settings, const DeviceScene& given) {
     CheckedScene checked;
-    if (given.bvh.node_count == 0) return checked;
+    if (given.bvh.node_count == 0 || given.bvh.reference_count == 0) return checked;
     check_nodes(session, given, checked);
     if (given.copy.buffer == nullptr) {
         check_references(session, given, checked);
     } else {
         checked.copy = look_at_copy(session, settings, given);
+        device::check_readable(checked.copy);
         checked.scene.copy = block_of(checked.copy);
     }
     return checked;
@@ -97,7 +107,7 @@ TraceRays check_rays(const Session& session, const CheckedScene& scene, const De
         throw Error(ErrorCode::unsupported, std::to_string(count) + " rays are more than the " +
                                                 std::to_string(kMaxDeviceRays) + " of one call; trace in parts");
     }
-    const CallerMemory rays = look_at_array(session, "the rays", given.rays, sizeof(Ray) * count, kRayAlignment);
+    const CallerMemory rays = look_at_input(session, "the rays", given.rays, sizeof(Ray) * count, kRayAlignment);
     const CallerMemory results =
         any ? device::look_at(session, "the results", given.results, count)
             : look_at_array(session, "the results", given.results, sizeof(Hit) * count, kRayAlignment);

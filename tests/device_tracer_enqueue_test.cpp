@@ -147,7 +147,10 @@ TEST_CASE("device tracer: every ray misses where no primitive is active, and whe
         copied.copy = memory.copy();
         tracer.enqueue_copy(shared_queue(), copied);
         tracer.enqueue_copy(shared_queue(), DeviceScene{});
-        for (const DeviceScene& scene : {scene_of(tree), copied, DeviceScene{}}) {
+        DeviceScene unnamed = copied;  // nodes, and none of the references that leaves would need
+        unnamed.bvh.reference_count = 0;
+        tracer.enqueue_copy(shared_queue(), unnamed);
+        for (const DeviceScene& scene : {scene_of(tree), copied, unnamed, DeviceScene{}}) {
             tracer.enqueue_closest(shared_queue(), scene, memory.rays());
             CHECK(count_differences(memory.hits(), nothing.hits) == 0);
             CHECK(count_differences(memory.counts(), nothing.closest_counts) == 0);
@@ -234,6 +237,12 @@ TEST_CASE("device tracer: what is wrong with memory of the caller's is named, an
     expect_refused({"the vertices", "no buffer"}, [](Arguments& a) { a.scene.triangles.vertices = {}; });
     expect_refused({"the vertices' stride is 8"}, [](Arguments& a) { a.scene.triangles.vertex_stride = 8; });
     expect_refused({"the copy", "needs", "bytes"}, [&](Arguments& a) { a.scene.copy = {read_only(), (1 << 20) - 64}; });
+    static const cl::Buffer write_only(shared_context().session().context(), CL_MEM_WRITE_ONLY, 1 << 20);
+    expect_refused({"the nodes", "CL_MEM_WRITE_ONLY"}, [](Arguments& a) { a.scene.bvh.nodes = {write_only()}; });
+    expect_refused({"the primitive ids", "CL_MEM_WRITE_ONLY"},
+                   [](Arguments& a) { a.scene.bvh.primitive_ids = {write_only()}; });
+    expect_refused({"the copy", "CL_MEM_WRITE_ONLY"}, [](Arguments& a) { a.scene.copy = {write_only()}; });
+    expect_refused({"the rays", "CL_MEM_WRITE_ONLY"}, [](Arguments& a) { a.rays.rays = {write_only()}; });
     expect_refused({"the rays", "no buffer"}, [](Arguments& a) { a.rays.rays = {}; });
     expect_refused({"the rays", "needs 3232 bytes"}, [](Arguments& a) { a.rays.count = 101; });
     expect_refused({"the rays", "multiple of 16"}, [](Arguments& a) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -55,6 +56,15 @@ void check_arguments(const Arguments& arguments) {
                                                           "picture smaller",
                                                           pixels, kMostPixels));
     }
+    constexpr std::uint32_t most_aspect = 10000;
+    const auto [short_side, long_side] = std::minmax(arguments.settings.width, arguments.settings.height);
+    if (long_side / short_side >= most_aspect) {
+        throw Error(ErrorCode::invalid_input, fmt::format("--width, --height: {} x {} is too narrow a picture",
+                                                          arguments.settings.width, arguments.settings.height));
+    }
+    if (!std::isfinite(arguments.heat_end)) {
+        throw Error(ErrorCode::invalid_input, "--heat-max: give it a number of visits");
+    }
     require_scene(arguments.scene);
     require_writable(arguments.output);
 }
@@ -67,6 +77,14 @@ BuilderChoice choose(const Arguments& arguments) {
         throw Error(ErrorCode::invalid_input,
                     fmt::format("--builder: pictures of mode {} do not depend on the tree; name one builder",
                                 to_string(arguments.mode)));
+    }
+    const std::uint64_t pixels =
+        std::uint64_t{arguments.settings.width} * arguments.settings.height * choice.ids.size();
+    if (pixels > kMostPixels) {
+        throw Error(ErrorCode::invalid_input,
+                    fmt::format("--width, --height: {} pixels of {} pictures side by side are more than {}; make them "
+                                "smaller",
+                                pixels, choice.ids.size(), kMostPixels));
     }
     return choice;
 }
@@ -128,7 +146,8 @@ int render_scene(const Arguments& arguments) {
     write_file(arguments.output, png_bytes(picture));
     bar.erase();
     fmt::print("{}: {} x {}, {}, {} samples a pixel, {:.1f} s\n  --camera {}\n", arguments.output, picture.width(),
-               picture.height(), to_string(arguments.mode), settings.samples, seconds, to_string(viewed.camera));
+               picture.height(), to_string(arguments.mode), settings.samples, seconds,
+               to_string(viewed.unturned_camera));
     return 0;
 }
 

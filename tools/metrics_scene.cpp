@@ -78,7 +78,7 @@ std::vector<MetricsResult> measure_scene(const MetricsSettings& settings, const 
     Field field(candidates);
     field.measure(set, settings.tracing.runs, progress);
     for (std::size_t i = 0; i < results.size(); ++i) {
-        results[i].trace = result_of(results[i].trace, rays, set, viewed.camera, field.cost(i));
+        results[i].trace = result_of(results[i].trace, rays, set, viewed.unturned_camera, field.cost(i));
         results[i].binary_trace_ms = field.binary_cost(i).trace_ms;
     }
     return results;

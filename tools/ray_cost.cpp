@@ -60,19 +60,28 @@ private:
 
 class TraceContestant final : public Contestant {
 public:
-    TraceContestant(const RayEntrant& entrant, Answers& answers) : entrant_(entrant), answers_(answers) {}
+    TraceContestant(const RayEntrant& entrant, Answers& answers, const Answers& expected)
+        : entrant_(entrant), answers_(answers), expected_(expected) {}
 
     [[nodiscard]] std::string_view name() const override { return entrant_.name; }
     void run(bool counted) override {
         const Stopwatch stopwatch;
         answers_.ask(*entrant_.engine, {});
-        if (counted) milliseconds_.push_back(stopwatch.milliseconds());
+        if (counted) {
+            milliseconds_.push_back(stopwatch.milliseconds());
+        } else {
+            mismatches_ = answers_.differences(expected_);
+        }
     }
     [[nodiscard]] Sample milliseconds() const { return summarize(milliseconds_); }
+    /// In the round that warms up: what is not counted may go another way than what is.
+    [[nodiscard]] std::uint64_t mismatches() const { return mismatches_; }
 
 private:
     const RayEntrant& entrant_;
     Answers& answers_;
+    const Answers& expected_;
+    std::uint64_t mismatches_ = 0;
     std::vector<double> milliseconds_;
 };
 
@@ -110,12 +119,14 @@ std::vector<RayCost> measure_rays(std::span<const RayEntrant> entrants, const Ra
         costs[i].ray_count = set.rays.size();
         costs[i].hits = own.hits();
         costs[i].mismatches = own.differences(first);
-        contestants.push_back(std::make_unique<TraceContestant>(entrants[i], answers));
+        contestants.push_back(std::make_unique<TraceContestant>(entrants[i], answers, first));
         turns.push_back(contestants.back().get());
     }
     run_rounds(turns, runs, progress);
-    for (std::size_t i = 0; i < entrants.size(); ++i)
+    for (std::size_t i = 0; i < entrants.size(); ++i) {
         costs[i].trace_ms = contestants[i]->milliseconds();
+        costs[i].mismatches += contestants[i]->mismatches();
+    }
     return costs;
 }
 

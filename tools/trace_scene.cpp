@@ -85,7 +85,7 @@ std::vector<TraceResult> trace_scene(const TraceSettings& settings, const RayArg
         RoundsProgress progress(title, bar);
         const std::vector<RayCost> costs = measure_rays(entrants, set, settings.runs, progress);
         for (std::size_t i = 0; i < candidates.size(); ++i)
-            results.push_back(result_of(candidates[i].base, rays, set, viewed.camera, costs[i]));
+            results.push_back(result_of(candidates[i].base, rays, set, viewed.unturned_camera, costs[i]));
         set_speeds(std::span(results).last(candidates.size()));
     }
     return results;

@@ -53,8 +53,8 @@ ViewedScene load_viewed(const std::string& scene, const SceneArguments& loading,
     Mesh mesh = load_scene(scene);
     const Camera camera = view.camera(mesh);
     const std::optional<Rotation> rotation = loading.rotation();
-    if (!rotation) return {std::move(mesh), camera};
-    return {rotated(std::move(mesh), *rotation), turned(camera, *rotation)};
+    if (!rotation) return {std::move(mesh), camera, camera};
+    return {rotated(std::move(mesh), *rotation), turned(camera, *rotation), camera};
 }
 
 }  // namespace clbvh::tool

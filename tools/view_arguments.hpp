@@ -28,6 +28,7 @@ private:
 struct ViewedScene {
     Mesh mesh;
     Camera camera;
+    Camera unturned_camera;  ///< As --camera takes it.
 };
 
 [[nodiscard]] ViewedScene load_viewed(const std::string& scene, const SceneArguments& loading,

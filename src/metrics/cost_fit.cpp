@@ -152,7 +152,7 @@ CostFit best_of_scene(const Moments& moments, CostTerms terms) {
 }
 
 /// The points centre + (i, j) * step that are weights, with i and j from -reach to reach.
-void search_around(const CostWeights& centre, double step, int reach, CostTerms terms, std::span<const Moments> scenes,
+void search_around(CostWeights centre, double step, int reach, CostTerms terms, std::span<const Moments> scenes,
                    Best& best) {
     const int alpha_reach = terms == CostTerms::sah ? 0 : reach;
     const int beta_reach = terms == CostTerms::sah_epo_lcv ? reach : 0;

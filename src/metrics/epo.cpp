@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "core/memory_errors.hpp"
 #include "metrics/check_costs.hpp"
 #include "metrics/leaf_order.hpp"
 #include "metrics/node_cost.hpp"
@@ -91,11 +92,7 @@ void tell(const ProgressCallback& progress, double fraction) {
     if (progress && !progress({"epo", fraction})) throw Error(ErrorCode::cancelled, "the progress callback cancelled");
 }
 
-}  // namespace
-
-double end_point_overlap(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs, const ProgressCallback& progress) {
-    check_costs(costs);
-    static_cast<void>(check_mesh(mesh));
+double overlap_of(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs, const ProgressCallback& progress) {
     const OverlapSum overlap(bvh, mesh, costs);
     std::vector<Sums> sums(overlap.chunk_count());
     const std::size_t step = progress ? std::max<std::size_t>(1, sums.size() / kRounds) : sums.size();
@@ -111,6 +108,14 @@ double end_point_overlap(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs
     }
     tell(progress, 1.0);
     return total.area > 0.0 ? total.extra / total.area : 0.0;
+}
+
+}  // namespace
+
+double end_point_overlap(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs, const ProgressCallback& progress) {
+    check_costs(costs);
+    static_cast<void>(check_mesh(mesh));
+    return with_memory_errors("end-point overlap", [&] { return overlap_of(bvh, mesh, costs, progress); });
 }
 
 }  // namespace clbvh

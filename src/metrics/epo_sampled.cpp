@@ -9,6 +9,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "clbvh/metrics/epo.hpp"
+#include "core/memory_errors.hpp"
 #include "core/random.hpp"
 #include "metrics/check_costs.hpp"
 #include "metrics/leaf_order.hpp"
@@ -130,19 +131,21 @@ Estimate end_point_overlap_sampled(const Bvh& bvh, const Mesh& mesh, std::uint64
                                                   std::to_string(kMostEpoSamples));
     }
     static_cast<void>(check_mesh(mesh));
-    const Sampler sampler(bvh, mesh, costs);
-    if (!sampler.has_surface()) return {};
-    std::vector<Moments> parts((samples + kChunk - 1) / kChunk);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
-        Random seeds(seed + chunk);
-        parts[chunk] = sampler.sample(Random(seeds.bits()), std::min(kChunk, samples - chunk * kChunk));
+    return with_memory_errors("end-point overlap", [&]() -> Estimate {
+        const Sampler sampler(bvh, mesh, costs);
+        if (!sampler.has_surface()) return {};
+        std::vector<Moments> parts((samples + kChunk - 1) / kChunk);
+        tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
+            Random seeds(seed + chunk);
+            parts[chunk] = sampler.sample(Random(seeds.bits()), std::min(kChunk, samples - chunk * kChunk));
+        });
+        Moments total;
+        for (const Moments& part : parts) {
+            total.sum += part.sum;
+            total.sum_of_squares += part.sum_of_squares;
+        }
+        return estimate_from(total, static_cast<double>(samples));
     });
-    Moments total;
-    for (const Moments& part : parts) {
-        total.sum += part.sum;
-        total.sum_of_squares += part.sum_of_squares;
-    }
-    return estimate_from(total, static_cast<double>(samples));
 }
 
 }  // namespace clbvh

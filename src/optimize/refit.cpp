@@ -9,6 +9,7 @@
 #include "clbvh/core/error.hpp"
 #include "core/bottom_up.hpp"
 #include "core/memory_errors.hpp"
+#include "metrics/check_costs.hpp"
 #include "optimize/edit_tree.hpp"
 
 namespace clbvh {
@@ -73,7 +74,6 @@ public:
     }
 
 private:
-    /// As in sah_cost(), a root without area counts as hit, though here its children do not.
     static double relative(double sum, double root_area) { return root_area > 0.0 ? sum / root_area : 0.0; }
 
     void refit_inner(std::uint32_t index) {
@@ -116,6 +116,7 @@ private:
 
 RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs) {
     return with_memory_errors("refitting", [&] {
+        check_costs(costs);
         check_same_triangles(tree, mesh);
         return tree.empty() ? RefitStats{} : Refitter(tree, mesh, costs).run();
     });

@@ -63,14 +63,14 @@ void check(const Camera& camera, float aspect) {
 std::vector<float> numbers_in(std::string_view text) {
     std::vector<float> numbers;
     const char* const end = text.data() + text.size();
-    for (const char* at = text.data(); at <= end; ++at) {
+    for (const char* at = text.data();;) {
         float number = 0.0f;
         const auto [next, error] = std::from_chars(at, end, number);
         if (error != std::errc{} || (next != end && *next != ',')) return {};
         numbers.push_back(number);
-        at = next;
+        if (next == end) return numbers;
+        at = next + 1;
     }
-    return numbers;
 }
 
 std::string shortest(float value) {

@@ -252,7 +252,9 @@ Camera fit_camera(const Mesh& mesh, const Vec3& up, const ClosestHits& trace) {
     const Aabb box = mesh_bounds(mesh);
     if (!(box.lower.x <= box.upper.x)) return {{0, 0, 1}, {0, 0, 0}, up, 45.0f};
     const Aabb detail = box_of_detail(mesh);
-    const bool inside = is_closed_around(detail, trace);
+    // Where all triangles are in one place there is no inside, and no room for a target ahead of an eye.
+    const bool has_room = length(detail.upper - detail.lower) > 1e-5f * length(box.upper - box.lower);
+    const bool inside = has_room && is_closed_around(detail, trace);
     return inside ? view_from_inside(grown(detail, 0.25f, box), up, trace)
                   : view_from_outside(grown(detail, 0.1f, box), up);
 }

@@ -12,7 +12,7 @@
 namespace clbvh::trace {
 
 /// A copy of an array that does not change any more, in huge pages: rays jump about in it, and would spend a good part
-/// of their time on address translation. Aligned to 64 bytes. Throws Error(out_of_memory).
+/// of their time on address translation. Aligned to 64 bytes. Throws Error(out_of_memory) or std::bad_alloc.
 template <typename T>
 class HugePageArray {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 64);

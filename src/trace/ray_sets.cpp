@@ -19,6 +19,7 @@
 namespace clbvh {
 namespace {
 
+constexpr double kMostCellsPerRay = 16.0;
 constexpr std::uint32_t kDiffuseRaysPerPoint = 64;  // Benthin et al. 2022, section 5.2
 constexpr std::uint32_t kAmbientRaysPerPoint = 16;
 constexpr float kAmbientLength = 0.1f;  // of the diagonal of the mesh's box
@@ -150,8 +151,10 @@ std::vector<Ray> rays_beyond_primary(RayKind kind, const Mesh& mesh, const Close
         const std::size_t found = rays_from(kind, mesh, trace, camera, pilot, options.seed).size();
         if (found == 0) continue;
         const double rays_per_cell = static_cast<double>(found) / static_cast<double>(pilot.size());
-        const std::vector<Ray> primary =
-            primary_grid(camera, static_cast<double>(options.count) / rays_per_cell, options.seed);
+        // Where next to nothing is seen there are fewer rays than asked for, instead of a picture beyond all memory.
+        const double cells = std::min(static_cast<double>(options.count) / rays_per_cell,
+                                      std::max(kMostCellsPerRay * static_cast<double>(options.count), pilot_cells));
+        const std::vector<Ray> primary = primary_grid(camera, cells, options.seed);
         return rays_from(kind, mesh, trace, camera, primary, options.seed);
     }
     return {};

@@ -83,6 +83,9 @@ TEST_CASE("refit: another mesh is refused, and the tree stays as it was") {
     expect_refused(whole, random_triangles(99), {"99 triangles", "100"});
     expect_refused(whole, some_inactive, {"triangle 10", "NaN"});
     expect_refused(partial, mesh, {"triangle 10", "not in the tree"});
+    Bvh costly = whole;
+    expect_error(ErrorCode::invalid_input, {"cost"}, [&] { refit(costly, mesh, {-1.0, 1.0}); });
+    CHECK(same_bytes(costly, whole));
     Mesh infinite = mesh;
     infinite.vertices[infinite.triangles[7][1]].y = std::numeric_limits<float>::infinity();
     expect_refused(whole, infinite, {"triangle 7"});

@@ -139,6 +139,11 @@ TEST_CASE("render names what is wrong with its input") {
     expect_failure({"gen:soup:10", "-o", file, "--spp", "0"}, {"--spp"}, 2);
     expect_failure({"gen:soup:10", "-o", file, "--heat-max", "0.5"}, {"--heat-max"}, 2);
     expect_failure({"gen:soup:10", "-o", file, "--width", "16000", "--height", "16000"}, {"--width, --height"});
+    expect_failure({"gen:soup:10", "-o", file, "--width", "16384", "--height", "1"}, {"--width, --height", "narrow"});
+    expect_failure({"gen:soup:10", "-o", file, "--heat-max", "nan"}, {"--heat-max"});
+    expect_failure(
+        {"gen:soup:10", "-o", file, "--mode", "heat-nodes", "--builder", "host", "--width", "8192", "--height", "8192"},
+        {"--width, --height", "side by side"});
     expect_failure({"gen:soup:10", "-o", file, "--camera", "1,1,1,1,1,1"}, {"--camera", "target is at its eye"});
     expect_failure({"gen:soup:10", "-o", file, "--builder", "plocpq"}, {"plocpq", "plocpp"});
     expect_failure({"gen:soup:10", "-o", file, "--tracer", "device", "--mode", "heat-leaves"}, {"--tracer"});

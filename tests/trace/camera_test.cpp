@@ -1,14 +1,18 @@
 #include "clbvh/trace/camera.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 
+#include "clbvh/builder.hpp"
 #include "clbvh/core/mesh_bounds.hpp"
 #include "clbvh/core/vector.hpp"
 #include "clbvh/io/scene.hpp"
+#include "clbvh/trace/ray_sets.hpp"
+#include "clbvh/trace/tracer.hpp"
 #include "support/expect_error.hpp"
 #include "trace/brute_force.hpp"
 
@@ -117,6 +121,21 @@ TEST_CASE("an object fits into the picture from outside") {
         const float least = dot(ahead, rays.at(0.5f, 0.0f).direction);
         for (const Vec3& vertex : ball.vertices)
             CHECK(dot(normalized(vertex - camera.eye), ahead) > least);
+    }
+}
+
+TEST_CASE("one triangle and one wall have cameras that see them") {
+    Mesh triangle;
+    triangle.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+    triangle.triangles = {{0, 1, 2}};
+    Mesh wall = triangle;
+    wall.triangles.push_back({1, 3, 2});
+    for (const Mesh& mesh : {triangle, wall}) {
+        const Bvh bvh = build(mesh, "median");
+        const Tracer tracer(bvh, mesh);
+        const Camera camera = fit_camera(mesh, {0, 1, 0}, closest_hits_of(tracer));
+        const std::vector<Ray> rays = primary_rays(camera, 32, 24, 1);
+        CHECK(std::ranges::any_of(rays, [&](const Ray& ray) { return tracer.any(ray); }));
     }
 }
 

@@ -17,7 +17,8 @@ struct RefitStats {
 ///
 /// `mesh` has the triangles that the tree was built over, at new places. Where references were split, leaves get the
 /// boxes of whole triangles. Throws Error(invalid_input), the tree being as it was, where the mesh has another number
-/// of triangles, where check_mesh refuses it, or where another triangle than before is inactive, naming it.
+/// of triangles, where check_mesh refuses it, where a cost is negative or not finite, or where another triangle than
+/// before is inactive, naming it.
 RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs = {});
 
 }  // namespace clbvh
