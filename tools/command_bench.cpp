@@ -111,7 +111,8 @@ private:
     /// The scene and, where rays are traced, from where they come.
     Mesh load(const std::string& scene) {
         if (!arguments_.rays) return arguments_.loading.load(scene);
-        ViewedScene viewed = load_viewed(scene, arguments_.loading, ViewArguments());
+        ViewedScene viewed =
+            load_viewed(scene, arguments_.loading, ViewArguments(), arguments_.build.options.thread_count);
         settings_.camera = viewed.camera;
         return std::move(viewed.mesh);
     }

@@ -130,7 +130,8 @@ int render_scene(const Arguments& arguments) {
     const BuilderChoice choice = choose(arguments);
     ProgressBar bar;
     bar.show_now(0.0, "loading " + arguments.scene);
-    const ViewedScene viewed = load_viewed(arguments.scene, arguments.loading, arguments.view);
+    const ViewedScene viewed =
+        load_viewed(arguments.scene, arguments.loading, arguments.view, arguments.build.options.thread_count);
     throw_if_interrupted();
 
     RenderSettings settings = arguments.settings;

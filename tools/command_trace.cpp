@@ -59,7 +59,8 @@ public:
         ProgressBar bar;
         for (const std::string& scene : arguments_.scenes) {
             bar.show_now(0.0, "loading " + scene);
-            const ViewedScene viewed = load_viewed(scene, arguments_.loading, arguments_.view);
+            const ViewedScene viewed =
+                load_viewed(scene, arguments_.loading, arguments_.view, arguments_.build.options.thread_count);
             throw_if_interrupted();
             std::vector<TraceResult> of_scene =
                 trace_scene(settings_, arguments_.rays, arguments_.tracing, scene, viewed, bar);

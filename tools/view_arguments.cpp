@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "interrupt.hpp"
+
 namespace clbvh::tool {
 namespace {
 
@@ -42,16 +44,22 @@ void ViewArguments::check() const {
     if (!camera_.empty()) static_cast<void>(parse_option("--camera", [&] { return parse_camera(camera_, up); }));
 }
 
-Camera ViewArguments::camera(const Mesh& unturned) const {
+Camera ViewArguments::camera(const Mesh& unturned, std::uint32_t thread_count) const {
     const Vec3 up = up_.empty() ? guess_up(unturned) : parse_axis(up_);
     if (!camera_.empty()) return parse_camera(camera_, up);
-    const Tracer tracer(Builder("binned-sah").build(unturned), unturned);
+    BuildOptions options;
+    options.thread_count = thread_count;
+    options.progress = [](const Progress&) { return !interrupted(); };
+    TracerOptions tracing;
+    tracing.thread_count = thread_count;
+    const Tracer tracer(Builder("binned-sah", options).build(unturned), unturned, tracing);
     return fit_camera(unturned, up, closest_hits_of(tracer));
 }
 
-ViewedScene load_viewed(const std::string& scene, const SceneArguments& loading, const ViewArguments& view) {
+ViewedScene load_viewed(const std::string& scene, const SceneArguments& loading, const ViewArguments& view,
+                        std::uint32_t thread_count) {
     Mesh mesh = load_scene(scene);
-    const Camera camera = view.camera(mesh);
+    const Camera camera = view.camera(mesh, thread_count);
     const std::optional<Rotation> rotation = loading.rotation();
     if (!rotation) return {std::move(mesh), camera, camera};
     return {rotated(std::move(mesh), *rotation), turned(camera, *rotation), camera};

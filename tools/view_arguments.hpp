@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/trace/camera.hpp>
+#include <cstdint>
 #include <string>
 
 #include "scene_arguments.hpp"
@@ -17,7 +18,8 @@ public:
     /// Throws Error(invalid_input) that names the option.
     void check() const;
     /// The camera that was asked for, else one that fits the scene before it is turned (fit_camera).
-    [[nodiscard]] Camera camera(const Mesh& unturned) const;
+    /// On so many threads; 0: all. Throws Error(cancelled) after a Ctrl-C.
+    [[nodiscard]] Camera camera(const Mesh& unturned, std::uint32_t thread_count) const;
 
 private:
     std::string camera_;  // empty: one that fits
@@ -32,6 +34,6 @@ struct ViewedScene {
 };
 
 [[nodiscard]] ViewedScene load_viewed(const std::string& scene, const SceneArguments& loading,
-                                      const ViewArguments& view);
+                                      const ViewArguments& view, std::uint32_t thread_count);
 
 }  // namespace clbvh::tool
