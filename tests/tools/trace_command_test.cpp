@@ -135,16 +135,21 @@ TEST_CASE("rays that were saved are traced again") {
         CHECK(loaded[same] == made[same]);
 }
 
-TEST_CASE("the camera turns with the scene") {
-    const auto result = [](const char* degrees) {
-        return results_of({"gen:city:2000", "--builder", "median", "--rays", "primary", "--rotate", degrees})[0];
+TEST_CASE("the camera turns with the scene, and is told as --camera takes it") {
+    const auto result = [](const std::vector<std::string>& options) {
+        std::vector<std::string> words{"gen:city:2000", "--builder", "median", "--rays", "primary"};
+        words.insert(words.end(), options.begin(), options.end());
+        return results_of(words)[0];
     };
-    const ordered_json plain = result("0");
-    const ordered_json turned = result("120");
-    CHECK(turned["camera"] != plain["camera"]);
+    const ordered_json plain = result({"--rotate", "0"});
+    const ordered_json turned = result({"--rotate", "120"});
+    CHECK(turned["camera"] == plain["camera"]);
+    CHECK(turned["ray_hash"] != plain["ray_hash"]);
     // Rays that pass an edge closely may change sides by rounding.
     CHECK(turned["hits"].get<double>() == Approx(plain["hits"].get<double>()).margin(5));
     CHECK(turned["ray_count"] == plain["ray_count"]);
+    const ordered_json again = result({"--rotate", "120", "--camera", turned["camera"].get<std::string>()});
+    CHECK(again["ray_hash"] == turned["ray_hash"]);
 }
 
 TEST_CASE("trace prints a table for people") {
