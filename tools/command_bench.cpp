@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <clbvh/core/error.hpp>
 #include <cstdint>
-#include <cstdio>
 #include <exception>
 #include <iterator>
 #include <memory>
@@ -19,13 +18,12 @@
 #include "builder_choice.hpp"
 #include "command.hpp"
 #include "embree_peer.hpp"
-#include "interrupt.hpp"
 #include "json_output.hpp"
-#include "machine.hpp"
 #include "progress_bar.hpp"
 #include "result_json.hpp"
 #include "scene_arguments.hpp"
 #include "scene_check.hpp"
+#include "scene_report.hpp"
 #include "stage_report.hpp"
 #include "sweep.hpp"
 #include "sweep_report.hpp"
@@ -71,7 +69,7 @@ public:
     }
 
     void run() {
-        print(unavailable_report(choice_));
+        report_.print(unavailable_report(choice_));
         if (sweep_ != nullptr) {
             run_sweeps();
         } else {
@@ -85,8 +83,7 @@ public:
     [[nodiscard]] nlohmann::ordered_json document() const {
         nlohmann::ordered_json document =
             to_json(choice_.context, arguments_.loading, arguments_.build.options, results_);
-        for (const std::string& id : choice_.unavailable_ids)
-            document["unavailable"].push_back({{"builder", id}, {"reason", choice_.reason}});
+        report_.add_unavailable(document);
         return document;
     }
 
@@ -98,13 +95,13 @@ private:
             const Mesh mesh = load(scene);
             std::vector<BuildResult> of_scene = bench_scene(settings_, scene, mesh, bar);
             bar.erase();
-            print(header() + scene_report(choice_.context, of_scene) + peers_note() + '\n');
-            if (arguments_.stages) print(stage_report(of_scene) + '\n');
+            report_.print_tables(scene_report(choice_.context, of_scene) + peers_note() + '\n');
+            if (arguments_.stages) report_.print(stage_report(of_scene) + '\n');
             std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
         }
         const std::size_t count = arguments_.scenes.size();
         if (count < 2) return;
-        print(
+        report_.print(
             fmt::format("geometric means over {} scenes\n{}", count, means_report(results_, results_.size() / count)));
     }
 
@@ -124,22 +121,9 @@ private:
                 sweep_->values.empty() ? sweep_sizes(scene, arguments_.sweep_to) : sweep_->values;
             std::vector<BuildResult> of_scene = sweep_scene(settings_, *sweep_, values, scene, bar);
             bar.erase();
-            print(header() + sweep_report(scene, of_scene) + '\n');
+            report_.print_tables(sweep_report(scene, of_scene) + '\n');
             std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
         }
-    }
-
-    /// The machine and how scenes were turned, above the first table only.
-    [[nodiscard]] std::string header() const {
-        if (!results_.empty()) return "";
-        const std::string note = arguments_.loading.note();
-        return machine_line(describe_machine(), choice_.context) + (note.empty() ? "" : "\n" + note) + "\n\n";
-    }
-
-    void print(const std::string& text) const {
-        if (!arguments_.json.leaves_standard_output()) return;
-        fmt::print("{}", text);
-        std::fflush(stdout);
     }
 
     [[nodiscard]] std::string peers_note() const {
@@ -150,19 +134,11 @@ private:
 
     const Arguments& arguments_;
     BuilderChoice choice_;
+    SceneReport report_{choice_, arguments_.loading, arguments_.json};
     const Sweep* sweep_;  // null where none was asked for
     BenchSettings settings_;
     std::vector<BuildResult> results_;
 };
-
-/// Keeps what a failed benchmark has measured, with the reason in "incomplete".
-void save_incomplete(const Bench& bench, const JsonOutput& json, const std::string& reason) {
-    if (bench.results().empty()) return;
-    nlohmann::ordered_json document = bench.document();
-    document["incomplete"] = reason;
-    json.write(document);
-    static_cast<void>(report_invalid_trees(bench.results()));
-}
 
 /// What can be seen before any work.
 void check_arguments(const Arguments& arguments) {
@@ -185,12 +161,13 @@ int run_bench(const Arguments& arguments) {
     check_arguments(arguments);
     Bench bench(arguments);
     try {
-        bench.run();
-    } catch (const std::exception& error) {
-        save_incomplete(bench, arguments.json, interrupted() ? "interrupted" : error.what());
+        run_and_write(
+            arguments.json, [&] { bench.run(); }, [&] { return !bench.results().empty(); },
+            [&] { return bench.document(); });
+    } catch (const std::exception&) {
+        static_cast<void>(report_invalid_trees(bench.results()));
         throw;
     }
-    arguments.json.write(bench.document());
     return report_invalid_trees(bench.results());
 }
 

@@ -1,11 +1,8 @@
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
 #include <clbvh/metrics/epo.hpp>
 #include <cstdint>
-#include <cstdio>
-#include <exception>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -19,12 +16,12 @@
 #include "cost_prediction.hpp"
 #include "interrupt.hpp"
 #include "json_output.hpp"
-#include "machine.hpp"
 #include "metrics_scene.hpp"
 #include "progress_bar.hpp"
 #include "result_json.hpp"
 #include "scene_arguments.hpp"
 #include "scene_check.hpp"
+#include "scene_report.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -54,7 +51,7 @@ public:
     }
 
     void run() {
-        print(unavailable_report(choice_));
+        report_.print(unavailable_report(choice_));
         ProgressBar bar;
         for (const std::string& scene : arguments_.scenes) {
             bar.show_now(0.0, "loading " + scene);
@@ -65,11 +62,11 @@ public:
                 measure_scene(settings_, arguments_.rays, arguments_.tracing, scene, viewed, bar);
             bar.erase();
             std::vector<Prediction> predictions = predict(of_scene);
-            print(header() + metrics_report(of_scene) + prediction_report(predictions) + '\n');
+            report_.print_tables(metrics_report(of_scene) + prediction_report(predictions) + '\n');
             std::ranges::move(of_scene, std::back_inserter(results_));
             std::ranges::move(predictions, std::back_inserter(predictions_));
         }
-        print(pooled_report(predictions_));
+        report_.print(pooled_report(predictions_));
     }
 
     [[nodiscard]] bool has_results() const { return !results_.empty(); }
@@ -81,8 +78,7 @@ public:
         nlohmann::ordered_json document =
             document_json(choice_.context, arguments_.loading, arguments_.build.options, std::move(list));
         document["correlation"] = to_json(predictions_);
-        for (const std::string& id : choice_.unavailable_ids)
-            document["unavailable"].push_back({{"builder", id}, {"reason", choice_.reason}});
+        report_.add_unavailable(document);
         return document;
     }
 
@@ -94,21 +90,9 @@ public:
     }
 
 private:
-    /// The machine and how scenes were turned, above the first table only.
-    [[nodiscard]] std::string header() const {
-        if (!results_.empty()) return "";
-        const std::string note = arguments_.loading.note();
-        return machine_line(describe_machine(), choice_.context) + (note.empty() ? "" : "\n" + note) + "\n\n";
-    }
-
-    void print(const std::string& text) const {
-        if (!arguments_.json.leaves_standard_output()) return;
-        fmt::print("{}", text);
-        std::fflush(stdout);
-    }
-
     const Arguments& arguments_;
     BuilderChoice choice_;
+    SceneReport report_{choice_, arguments_.loading, arguments_.json};
     MetricsSettings settings_;
     std::vector<MetricsResult> results_;
     std::vector<Prediction> predictions_;
@@ -128,16 +112,9 @@ void check_arguments(const Arguments& arguments) {
 int run_metrics(const Arguments& arguments) {
     check_arguments(arguments);
     Measuring measuring(arguments);
-    try {
-        measuring.run();
-    } catch (const std::exception& error) {
-        if (!measuring.has_results()) throw;
-        nlohmann::ordered_json document = measuring.document();
-        document["incomplete"] = interrupted() ? "interrupted" : error.what();
-        arguments.json.write(document);
-        throw;
-    }
-    arguments.json.write(measuring.document());
+    run_and_write(
+        arguments.json, [&] { measuring.run(); }, [&] { return measuring.has_results(); },
+        [&] { return measuring.document(); });
     return measuring.finish();
 }
 

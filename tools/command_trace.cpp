@@ -1,9 +1,6 @@
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
-#include <exception>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -15,12 +12,12 @@
 #include "command.hpp"
 #include "interrupt.hpp"
 #include "json_output.hpp"
-#include "machine.hpp"
 #include "progress_bar.hpp"
 #include "ray_arguments.hpp"
 #include "result_json.hpp"
 #include "scene_arguments.hpp"
 #include "scene_check.hpp"
+#include "scene_report.hpp"
 #include "trace_result.hpp"
 #include "trace_scene.hpp"
 #include "tracer_arguments.hpp"
@@ -55,7 +52,7 @@ public:
     }
 
     void run() {
-        print(unavailable_report(choice_));
+        report_.print(unavailable_report(choice_));
         ProgressBar bar;
         for (const std::string& scene : arguments_.scenes) {
             bar.show_now(0.0, "loading " + scene);
@@ -65,7 +62,7 @@ public:
             std::vector<TraceResult> of_scene =
                 trace_scene(settings_, arguments_.rays, arguments_.tracing, scene, viewed, bar);
             bar.erase();
-            print(header() + trace_report(of_scene) + '\n');
+            report_.print_tables(trace_report(of_scene) + '\n');
             std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
         }
     }
@@ -78,27 +75,14 @@ public:
             list.push_back(to_json(result));
         nlohmann::ordered_json document =
             document_json(choice_.context, arguments_.loading, arguments_.build.options, std::move(list));
-        for (const std::string& id : choice_.unavailable_ids)
-            document["unavailable"].push_back({{"builder", id}, {"reason", choice_.reason}});
+        report_.add_unavailable(document);
         return document;
     }
 
 private:
-    /// The machine and how scenes were turned, above the first table only.
-    [[nodiscard]] std::string header() const {
-        if (!results_.empty()) return "";
-        const std::string note = arguments_.loading.note();
-        return machine_line(describe_machine(), choice_.context) + (note.empty() ? "" : "\n" + note) + "\n\n";
-    }
-
-    void print(const std::string& text) const {
-        if (!arguments_.json.leaves_standard_output()) return;
-        fmt::print("{}", text);
-        std::fflush(stdout);
-    }
-
     const Arguments& arguments_;
     BuilderChoice choice_;
+    SceneReport report_{choice_, arguments_.loading, arguments_.json};
     TraceSettings settings_;
     std::vector<TraceResult> results_;
 };
@@ -115,16 +99,9 @@ void check_arguments(const Arguments& arguments) {
 int run_trace(const Arguments& arguments) {
     check_arguments(arguments);
     Tracing tracing(arguments);
-    try {
-        tracing.run();
-    } catch (const std::exception& error) {
-        if (tracing.results().empty()) throw;
-        nlohmann::ordered_json document = tracing.document();
-        document["incomplete"] = interrupted() ? "interrupted" : error.what();
-        arguments.json.write(document);
-        throw;
-    }
-    arguments.json.write(tracing.document());
+    run_and_write(
+        arguments.json, [&] { tracing.run(); }, [&] { return !tracing.results().empty(); },
+        [&] { return tracing.document(); });
     return report_mismatches(tracing.results());
 }
 
