@@ -30,6 +30,7 @@
 #include "clbvh/metrics/lcv.hpp"
 #include "clbvh/metrics/sah.hpp"
 #include "clbvh/metrics/tree_shape.hpp"
+#include "clbvh/optimize/rebuild.hpp"
 #include "clbvh/optimize/refit.hpp"
 #include "clbvh/optimize/reinsert.hpp"
 #include "clbvh/optimize/rotate.hpp"
