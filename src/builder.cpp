@@ -9,6 +9,7 @@
 #include "backend.hpp"
 #include "clbvh/core/error.hpp"
 #include "clbvh/optimizers.hpp"
+#include "clbvh/presets.hpp"
 #include "core/memory_errors.hpp"
 #include "finish_stage.hpp"
 #include "presplit_stage.hpp"
@@ -59,8 +60,11 @@ BuildOptions options_of_builder(const BuildOptions& options) {
 }  // namespace
 
 struct Builder::State {
-    State(std::string_view builder_id, std::optional<Context> chosen_context, BuildOptions chosen_options)
-        : row(find_builder_row(builder_id)), context(std::move(chosen_context)), options(std::move(chosen_options)) {
+    State(std::string_view builder_id, std::optional<Context> chosen_context, const BuildOptions& chosen_options)
+        : row(find_builder_row(builder_id)),
+          id(find_preset(builder_id) != nullptr ? find_preset(builder_id)->id : row.info.id),
+          context(std::move(chosen_context)),
+          options(with_preset(builder_id, chosen_options)) {
         check_options(options);
         check_optimizers(options.optimizers);
         backend_options = options_of_builder(options);
@@ -80,6 +84,7 @@ struct Builder::State {
     [[nodiscard]] bool is_finished_here() const noexcept { return needs_finish(options); }
 
     const BuilderRow& row;
+    std::string_view id;             // of the row, or of the preset
     std::optional<Context> context;  // absent for host builders
     BuildOptions options;
     BuildOptions backend_options;  // the same, save that progress is a part of the whole
@@ -162,6 +167,9 @@ Bvh Builder::build(const Mesh& mesh, BuildStats* stats) {
 
 const BuilderInfo& Builder::info() const noexcept {
     return state_->row.info;
+}
+std::string_view Builder::id() const noexcept {
+    return state_->id;
 }
 const BuildOptions& Builder::options() const noexcept {
     return state_->options;

@@ -36,6 +36,7 @@
 #include "clbvh/optimize/rotate.hpp"
 #include "clbvh/optimize/treelet.hpp"
 #include "clbvh/optimizers.hpp"
+#include "clbvh/presets.hpp"
 #include "clbvh/registry.hpp"
 #include "clbvh/trace/camera.hpp"
 #include "clbvh/trace/ray_sets.hpp"

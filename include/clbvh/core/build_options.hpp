@@ -73,6 +73,7 @@ struct BuildOptions {
                                          ///< than the scene's volume / 2^level, 1 to 40; the paper's is 14. 0: do not.
     std::string optimizers;          ///< After any builder, before leaves are merged: ids of optimizers() with commas
                                      ///< between them, "reinsert" say. Empty: none.
+    std::uint32_t optimize_passes = 0;  ///< Most passes of each of them; 0: as many as it finds worth while.
     std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
 
     std::uint32_t search_radius = 16;  ///< R of PLOC and PLOC++, and of hploc with HplocSearch::window: neighbours
