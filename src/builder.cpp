@@ -8,6 +8,7 @@
 
 #include "backend.hpp"
 #include "clbvh/core/error.hpp"
+#include "clbvh/presets.hpp"
 #include "core/memory_errors.hpp"
 #include "finish_stage.hpp"
 #include "optimizer_rows.hpp"
@@ -62,10 +63,11 @@ BuildOptions options_of_builder(const BuildOptions& options) {
 }  // namespace
 
 struct Builder::State {
-    State(std::string_view builder_id, std::optional<Context> chosen_context, BuildOptions chosen_options)
+    State(std::string_view builder_id, std::optional<Context> chosen_context, const BuildOptions& chosen_options)
         : row(find_builder_row(builder_id)),
+          id(find_preset(builder_id) != nullptr ? find_preset(builder_id)->id : row.info.id),
           context(std::move(chosen_context)),
-          options(with_split_of_optimizers(std::move(chosen_options))) {
+          options(with_split_of_optimizers(with_preset(builder_id, chosen_options))) {
         check_options(options);
         backend_options = options_of_builder(options);
         arena.initialize(arena_size(options.thread_count));
@@ -84,6 +86,7 @@ struct Builder::State {
     [[nodiscard]] bool is_finished_here() const noexcept { return needs_finish(options); }
 
     const BuilderRow& row;
+    std::string_view id;             // of the row, or of the preset
     std::optional<Context> context;  // absent for host builders
     BuildOptions options;
     BuildOptions backend_options;  // the same, save that progress is a part of the whole
@@ -166,6 +169,9 @@ Bvh Builder::build(const Mesh& mesh, BuildStats* stats) {
 
 const BuilderInfo& Builder::info() const noexcept {
     return state_->row.info;
+}
+std::string_view Builder::id() const noexcept {
+    return state_->id;
 }
 const BuildOptions& Builder::options() const noexcept {
     return state_->options;

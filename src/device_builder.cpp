@@ -5,6 +5,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/presets.hpp"
 #include "device/caller_input.hpp"
 #include "device/pipeline.hpp"
 #include "registry_rows.hpp"
@@ -29,9 +30,9 @@ const BuilderRow& device_row(std::string_view id, const BuildOptions& options) {
 
 struct DeviceBuilder::State {
     State(std::string_view builder_id, Context chosen_context, const BuildOptions& chosen_options)
-        : row(device_row(builder_id, chosen_options)),
+        : options(with_preset(builder_id, chosen_options)),
+          row(device_row(builder_id, options)),
           context(std::move(chosen_context)),
-          options(chosen_options),
           settings(device::prepare_pipeline(context.session(), *row.device_algorithm, options)),
           alignment(device::view_alignment(context.session())) {}
 
@@ -50,9 +51,9 @@ struct DeviceBuilder::State {
     [[nodiscard]] std::uint32_t most_primitives() const;
     device::CallerBuild check(const DeviceInput& input, const DeviceSpan& scratch, const DeviceResult& result) const;
 
+    BuildOptions options;
     const BuilderRow& row;
     Context context;
-    BuildOptions options;
     device::BuildSettings settings;
     std::uint64_t alignment;
 };

@@ -41,6 +41,7 @@ void FinishStage::optimize(Bvh& tree, host::HostStages& stages, double begin) co
         ids.remove_prefix(std::min(id.size() + 1, ids.size()));
         stages.begin(id, begin, 0.95, kWork);
         OptimizeBudget budget;
+        budget.passes = options_.optimize_passes;
         std::uint64_t done = 0;
         // Cancels by an exception, as every stage of a build does.
         budget.progress = [&](const Progress& progress) {

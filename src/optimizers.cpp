@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "clbvh/optimize/rebuild.hpp"
 #include "clbvh/optimize/reinsert.hpp"
 #include "clbvh/optimize/rotate.hpp"
 #include "clbvh/optimize/treelet.hpp"
@@ -46,6 +47,11 @@ const OptimizerRow kRows[] = {
       "Karras, Aila 2013", true},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
          return restructure_treelets(std::move(tree), within<TreeletConfig>(budget), &stats);
+     }},
+    {{"rebuild", "Subtrees are built anew by sweep SAH where that is cheaper: for scanned surfaces, before reinsert",
+      "Yoon, Curtis, Manocha 2007"},
+     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
+         return rebuild(std::move(tree), within<RebuildConfig>(budget), &stats);
      }},
     {{"rotate", "Hill climbing by tree rotations", "Kensler 2008"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {

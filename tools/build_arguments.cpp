@@ -85,6 +85,9 @@ void BuildArguments::add_tree_options(CLI::App& command) {
                     "merged; see clbvh builders")
         ->group(kTree)
         ->type_name("A,B,C");
+    add_number(command, "--optimize-passes", &BuildOptions::optimize_passes,
+               "Most passes of each optimizer; 0: as many as it finds worth while")
+        ->group(kTree);
     add_number(
         command, "--max-leaf", &BuildOptions::max_leaf_size,
         "Largest leaf, 1 to 64: the builder's own where it makes leaves itself (binned-sah, sweep-sah, sbvh, aac, "

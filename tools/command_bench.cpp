@@ -185,7 +185,7 @@ Command add_bench_command(CLI::App& app) {
     command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
     command
         ->add_option("--builders", arguments->builders,
-                     "Ids or groups (all, host, device) with commas between them; see clbvh builders")
+                     "Ids or groups (all, host, device, presets) with commas between them; see clbvh builders")
         ->type_name("A,B,C")
         ->capture_default_str();
     command->add_flag(

@@ -110,6 +110,7 @@ ordered_json options_json(const BuildOptions& options) {
         {"presplit_level", options.presplit_level},
         {"split_quota", shortest(options.split_quota)},
         {"optimizers", options.optimizers},
+        {"optimize_passes", options.optimize_passes},
         {"thread_count", options.thread_count},
         {"search_radius", options.search_radius},
         {"shape", to_string(options.shape)},

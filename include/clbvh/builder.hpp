@@ -21,7 +21,7 @@ namespace clbvh {
 /// After any exception the builder can be used again. One thread at a time.
 class Builder {
 public:
-    /// Opens the default device where the builder needs one. Throws what Context::open, find_builder and check_options
+    /// Of a builder, or of a preset. Opens the default device where the builder needs one. Throws what Context::open, find_builder and check_options
     /// throw.
     explicit Builder(std::string_view builder_id, const BuildOptions& options = {});
     /// Runs on the caller's device; a host builder leaves it alone.
@@ -47,7 +47,10 @@ public:
     /// A copy of the last finished tree. Throws Error(invalid_input) where there is none.
     [[nodiscard]] Bvh download() const;
 
+    /// What it was made with: the id of a builder or of a preset.
+    [[nodiscard]] std::string_view id() const noexcept;
     [[nodiscard]] const BuilderInfo& info() const noexcept;
+    /// As they were given, save for what a preset put in the place of defaults.
     [[nodiscard]] const BuildOptions& options() const noexcept;
     /// Throws Error(unsupported) for a host builder.
     [[nodiscard]] const Context& context() const;

@@ -59,6 +59,13 @@ public:
     /// returned.
     [[nodiscard]] double make(std::uint32_t from, std::uint32_t to);
 
+    /// Calls `visit(slot)` with what the last move that was made has changed, some slots more than once.
+    template <typename Visit>
+    void for_each_changed(const Visit& visit) const {
+        for (const Saved& saved : journal_)
+            visit(saved.slot);
+    }
+
 private:
     struct Saved {
         std::uint32_t slot;

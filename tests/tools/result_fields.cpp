@@ -128,9 +128,9 @@ void check_options(const ordered_json& options) {
     const Names reals{"inner_cost", "primitive_cost", "split_alpha", "reference_budget", "split_quota"};
     const Names choices{"shape",         "sort_shape",   "morton_code", "neighbour_encoding", "neighbour_search",
                         "hploc_quality", "hploc_search", "merge_pairs", "optimizers"};
-    const Names counts{"max_leaf_size", "bin_count",   "presplit_level", "thread_count",           "search_radius",
-                       "code_bits",     "chunk_size",  "range_count",    "single_group_threshold", "cluster_limit",
-                       "small_range",   "small_limit", "work_group_size"};
+    const Names counts{"max_leaf_size", "bin_count",   "presplit_level",  "thread_count",           "search_radius",
+                       "code_bits",     "chunk_size",  "range_count",     "single_group_threshold", "cluster_limit",
+                       "small_range",   "small_limit", "work_group_size", "optimize_passes"};
     for (const std::string& name : reals)
         CHECK(options.at(name).is_number_float());
     for (const std::string& name : choices)

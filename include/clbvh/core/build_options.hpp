@@ -76,6 +76,7 @@ struct BuildOptions {
                                      ///< (see docs/presplit.md). 0: do not. Not with presplit_level.
     std::string optimizers;          ///< After any builder, before leaves are merged: ids of optimizers() with commas
                                      ///< between them, "reinsert" say. Empty: none.
+    std::uint32_t optimize_passes = 0;  ///< Most passes of each of them; 0: as many as it finds worth while.
     std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
 
     std::uint32_t search_radius = 16;  ///< R of PLOC and PLOC++, and of hploc with HplocSearch::window: neighbours
