@@ -43,7 +43,9 @@ private:
     };
 
     void look_below(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best);
-    std::size_t consider(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best, std::size_t size);
+    std::size_t look_at_pair(const Place& place, const Subtree& subtree, Reinsertion& best, std::size_t size);
+    std::size_t consider(float gain, float area, std::uint32_t node, const Subtree& subtree, Reinsertion& best,
+                         std::size_t size);
 
     const EditTree& tree_;
     std::vector<Place> stack_ = std::vector<Place>(64);
