@@ -81,7 +81,7 @@ void split(const Mesh& mesh, const MedianGrid& grid, const Reference& part, std:
     const double left_length = longest_extent(cut.left);
     const double both_lengths = left_length + longest_extent(cut.right);
     const double left_share = both_lengths > 0.0 ? left_length / both_lengths : 0.5;
-    const auto left_splits = std::min(splits - 1, static_cast<std::uint32_t>((splits - 1) * left_share + 0.5));
+    const auto left_splits = std::min(splits - 1, static_cast<std::uint32_t>(std::lround((splits - 1) * left_share)));
     split(mesh, grid, part_of(part, cut.left), left_splits, add_part);
     split(mesh, grid, part_of(part, cut.right), splits - 1 - left_splits, add_part);
 }
