@@ -12,13 +12,13 @@ namespace clbvh::tool {
 namespace {
 
 constexpr std::array kNine{
-    NineBuilder{"lbvh", "LBVH", "lbvh", "", false},
+    NineBuilder{"lbvh", "LBVH", "lbvh", "", LeafMerging::never},
     NineBuilder{"bbvh", "BBVH", "sweep-sah", ""},
     NineBuilder{"sbvh", "SBVH", "sbvh", ""},
     NineBuilder{"agglo", "Agglo", "locally-ordered", ""},
     NineBuilder{"bittner", "Bittner", "lbvh", "reinsert-batches"},
-    NineBuilder{"hclimb", "H.Climb", "lbvh", "rotate"},
-    NineBuilder{"anneal", "Anneal.", "lbvh", "anneal"},
+    NineBuilder{"hclimb", "H.Climb", "lbvh", "rotate", LeafMerging::twice},
+    NineBuilder{"anneal", "Anneal.", "lbvh", "anneal", LeafMerging::twice},
     NineBuilder{"treelet", "Treelet", "lbvh", "treelet"},
     NineBuilder{"streelet", "STreelet", "lbvh", "treelet-split"},
 };

@@ -137,7 +137,6 @@ ordered_json to_json(const NineScene& scene) {
         json["title"] = nine.title;
         json["made_by"] = nine.builder;
         json["optimizers"] = nine.optimizers;
-        json["merges_leaves"] = nine.merges_leaves;
         json["build_ms"] = scene.build_ms[i];
         if (scene.device.empty()) continue;
         const MetricsResult& on_device = scene.device[i];

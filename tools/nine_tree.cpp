@@ -4,6 +4,7 @@
 
 #include <clbvh/builder.hpp>
 #include <clbvh/host/collapse.hpp>
+#include <clbvh/optimizers.hpp>
 #include <utility>
 
 #include "build_result.hpp"
@@ -14,13 +15,12 @@
 namespace clbvh::tool {
 namespace {
 
-constexpr std::string_view kAnneal = "anneal";  // has settings of its own here
-
+/// Of what Builder does: all of it, but optimising a tree whose leaves are merged already.
 BuildOptions options_of(const NineBuilder& nine, const NineTreeSettings& settings, const ProgressCallback& progress) {
     BuildOptions options = settings.options;
     options.progress = progress;
-    if (nine.optimizers != kAnneal) options.optimizers = nine.optimizers;
-    if (!nine.merges_leaves || nine.optimizers == kAnneal) options.max_leaf_size = 0;
+    if (nine.leaves != LeafMerging::twice) options.optimizers = nine.optimizers;
+    if (nine.leaves == LeafMerging::never) options.max_leaf_size = 0;
     return options;
 }
 
@@ -35,23 +35,25 @@ NineTree build_tree(const NineBuilder& nine, const NineTreeSettings& settings, c
     return tree;
 }
 
-/// Merges leaves as Builder does it.
-void merge_leaves(NineTree& tree, const BuildOptions& options) {
-    if (options.max_leaf_size == 0) return;
-    const Stopwatch stopwatch;
-    tree.bvh = collapse(tree.bvh, {options.max_leaf_size, options.inner_cost, options.primitive_cost});
-    tree.build_ms += stopwatch.milliseconds();
+Bvh improve(Bvh bvh, const NineBuilder& nine, const NineTreeSettings& settings, const ProgressCallback& progress) {
+    OptimizeBudget budget;
+    budget.progress = progress;
+    if (nine.optimizers != "anneal") return optimize(std::move(bvh), nine.optimizers, budget);
+    AnnealConfig config = settings.annealing;
+    config.budget = budget;
+    return anneal(std::move(bvh), config);
 }
 
-void anneal_tree(NineTree& tree, const NineTreeSettings& settings, const ProgressCallback& progress) {
-    AnnealConfig config = settings.annealing;
-    config.budget = {};
-    config.budget.progress = progress;
-    OptimizeStats stats;
-    tree.bvh = anneal(std::move(tree.bvh), config, &stats);
+/// What Builder cannot do: optimises the tree with the leaves that it has, and merges leaves once more.
+void improve_and_merge(NineTree& tree, const NineBuilder& nine, const NineTreeSettings& settings,
+                       const ProgressCallback& progress) {
+    const BuildOptions& options = settings.options;
+    const Stopwatch stopwatch;
+    tree.bvh = improve(std::move(tree.bvh), nine, settings, progress);
     throw_if_interrupted();
-    tree.build_ms += stats.milliseconds;
-    merge_leaves(tree, settings.options);
+    if (options.max_leaf_size > 0)
+        tree.bvh = collapse(tree.bvh, {options.max_leaf_size, options.inner_cost, options.primitive_cost});
+    tree.build_ms += stopwatch.milliseconds();
 }
 
 }  // namespace
@@ -65,9 +67,9 @@ NineTree build_nine_tree(const NineBuilder& nine, const NineTreeSettings& settin
         return !interrupted();
     };
     NineTree tree = build_tree(nine, settings, mesh, progress);
-    if (nine.optimizers == kAnneal) {
+    if (nine.leaves == LeafMerging::twice) {
         tbb::task_arena arena(static_cast<int>(host_threads(settings.options)));
-        arena.execute([&] { anneal_tree(tree, settings, progress); });
+        arena.execute([&] { improve_and_merge(tree, nine, settings, progress); });
     }
     return tree;
 }

@@ -60,6 +60,21 @@ TEST_CASE("the means that tables are compared with come from the paper's tables"
     CHECK(relative["epo"]["agglo"].get<double>() == Approx(1.07).margin(0.005));
 }
 
+TEST_CASE("a room and a scan of the paper's have these costs beside sweep trees") {
+    const json parts = published()["aila"]["sah_over_bbvh"];
+    CHECK(parts.size() == 2);
+    for (const PublishedScene& scene : kPublishedScenes) {
+        if (!parts.contains(scene.name)) continue;
+        std::size_t i = 0;
+        for (const tool::NineBuilder& nine : tool::nine_builders()) {
+            const double part = scene.sah[i++] / scene.sah[1];
+            INFO(scene.name << ", " << nine.id);
+            if (!parts[scene.name].contains(nine.id)) continue;
+            CHECK(parts[scene.name][std::string(nine.id)].get<double>() == Approx(part).margin(0.000501));
+        }
+    }
+}
+
 TEST_CASE("Kensler's costs give the percentages of his table") {
     const json scenes = published()["kensler"]["scenes"];
     const std::vector<double> climbed{99.5, 99.7, 92.8, 93.4, 98.4, 90.8, 89.5, 91.4};
