@@ -54,7 +54,10 @@ int list(const JsonOutput& json) {
     for (const OptimizerInfo& optimizer : optimizers()) {
         optimizer_table.add_row(
             {std::string(optimizer.id), std::string(optimizer.paper), std::string(optimizer.title)});
-        optimizer_entries.push_back({{"id", optimizer.id}, {"title", optimizer.title}, {"paper", optimizer.paper}});
+        optimizer_entries.push_back({{"id", optimizer.id},
+                                     {"title", optimizer.title},
+                                     {"paper", optimizer.paper},
+                                     {"splits_first", optimizer.splits_first}});
     }
     if (json.leaves_standard_output()) {
         fmt::print("{}\n{}", table.text(), optimizer_table.text());

@@ -125,9 +125,20 @@ private:
     std::vector<Prediction> predictions_;
 };
 
+/// Two ways to split triangles do not go together.
+void check_splitting(const Arguments& arguments) {
+    if (arguments.build.options.presplit_level == 0) return;
+    for (const NineBuilder& nine : choose_nine(arguments.builders)) {
+        if (nine.id == "streelet")
+            throw Error(ErrorCode::invalid_input,
+                        "--presplit: STreelet splits triangles by a quota of its own; leave one of them out");
+    }
+}
+
 /// What can be seen before any work.
 void check_arguments(const Arguments& arguments) {
     arguments.build.check();
+    check_splitting(arguments);
     arguments.view.check();
     arguments.json.require_writable();
     arguments.rays.check(arguments.scenes.size());

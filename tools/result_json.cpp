@@ -108,6 +108,7 @@ ordered_json options_json(const BuildOptions& options) {
         {"split_alpha", shortest(options.split_alpha)},
         {"reference_budget", shortest(options.reference_budget)},
         {"presplit_level", options.presplit_level},
+        {"split_quota", shortest(options.split_quota)},
         {"optimizers", options.optimizers},
         {"thread_count", options.thread_count},
         {"search_radius", options.search_radius},

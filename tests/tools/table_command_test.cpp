@@ -203,6 +203,7 @@ TEST_CASE("table refuses what cannot be before it works") {
     refused({"gen:soup:100", "--rays", "primary,diffuse"}, 1, "one kind of rays");
     refused({"gen:soup:100", "--builders", "bbvh,dream"}, 1, "'dream'");
     refused({"gen:soup:100", "--builders", ""}, 1, "unknown builder ''");
+    refused({"gen:soup:100", "--presplit"}, 1, "--presplit: STreelet");
     refused({"gen:soup:100", "--max-leaf", "65"}, 1, "--max-leaf");
     refused({"gen:stew", "--builders", "bbvh"}, 1, "gen:stew");
     refused({"gen:soup:100"}, 1, "--builders bbvh,sbvh,agglo needs no device");

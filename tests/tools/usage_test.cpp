@@ -39,10 +39,10 @@ TEST_CASE("help names every command, and of each command every option") {
         CHECK_THAT(help.out, Contains("--json FILE"));
     }
     CHECK_THAT(run_tool({"render", "--help"}).out, Contains("-o,--output FILE") && Contains("--mode NAME"));
-    const Words shared{"--device",   "--radius",       "--shape",      "--morton",         "--encoding",
-                       "--search",   "--threshold",    "--chunk",      "--work-group",     "--ranges",
-                       "--max-leaf", "--presplit",     "--inner-cost", "--primitive-cost", "--threads",
-                       "--bins",     "--longest-axis", "--alpha",      "--budget"};
+    const Words shared{"--device",   "--radius",    "--shape",        "--morton",     "--encoding",
+                       "--search",   "--threshold", "--chunk",        "--work-group", "--ranges",
+                       "--max-leaf", "--presplit",  "--split-quota",  "--inner-cost", "--primitive-cost",
+                       "--threads",  "--bins",      "--longest-axis", "--alpha",      "--budget"};
     for (const char* command : {"build", "bench"}) {
         const Outcome help = run_tool({command, "--help"});
         for (const std::string& option : shared)
