@@ -8,10 +8,10 @@
 
 #include "backend.hpp"
 #include "clbvh/core/error.hpp"
-#include "clbvh/optimizers.hpp"
 #include "clbvh/presets.hpp"
 #include "core/memory_errors.hpp"
 #include "finish_stage.hpp"
+#include "optimizer_rows.hpp"
 #include "presplit_stage.hpp"
 
 namespace clbvh {
@@ -20,8 +20,7 @@ namespace {
 // What needs no device is checked before one is opened.
 std::optional<Context> open_context_for(std::string_view builder_id, const BuildOptions& options) {
     const BuilderInfo& info = find_builder(builder_id);
-    check_options(options);
-    check_optimizers(options.optimizers);
+    check_options(with_split_of_optimizers(options));
     if (info.kind == BuilderKind::host) return std::nullopt;
     return Context::open();
 }
@@ -33,9 +32,14 @@ int arena_size(std::uint32_t thread_count) {
     return static_cast<int>(std::min<std::size_t>(thread_count, most));
 }
 
+/// True where there is work before the builder.
+bool needs_splitting(const BuildOptions& options) {
+    return options.presplit_level > 0 || options.split_quota > 0.0f;
+}
+
 /// True where there is work behind the builder.
 bool needs_finish(const BuildOptions& options) {
-    return options.presplit_level > 0 || options.max_leaf_size > 0 || !options.optimizers.empty();
+    return needs_splitting(options) || options.max_leaf_size > 0 || !options.optimizers.empty();
 }
 
 /// The builder's part of a build that has stages before and behind it.
@@ -44,8 +48,7 @@ struct Share {
     double end;
 };
 Share share_of_builder(const BuildOptions& options) {
-    const bool is_presplit = options.presplit_level > 0;
-    return {is_presplit ? 0.1 : 0.0, needs_finish(options) ? 0.9 : 1.0};
+    return {needs_splitting(options) ? 0.1 : 0.0, needs_finish(options) ? 0.9 : 1.0};
 }
 
 BuildOptions options_of_builder(const BuildOptions& options) {
@@ -64,9 +67,8 @@ struct Builder::State {
         : row(find_builder_row(builder_id)),
           id(find_preset(builder_id) != nullptr ? find_preset(builder_id)->id : row.info.id),
           context(std::move(chosen_context)),
-          options(with_preset(builder_id, chosen_options)) {
+          options(with_split_of_optimizers(with_preset(builder_id, chosen_options))) {
         check_options(options);
-        check_optimizers(options.optimizers);
         backend_options = options_of_builder(options);
         arena.initialize(arena_size(options.thread_count));
         if (row.info.kind == BuilderKind::host) {
@@ -80,7 +82,7 @@ struct Builder::State {
     void upload(const Mesh& mesh);
     BuildStats run();
 
-    [[nodiscard]] bool is_presplit() const noexcept { return options.presplit_level > 0; }
+    [[nodiscard]] bool is_presplit() const noexcept { return needs_splitting(options); }
     [[nodiscard]] bool is_finished_here() const noexcept { return needs_finish(options); }
 
     const BuilderRow& row;

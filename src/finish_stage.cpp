@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "clbvh/optimizers.hpp"
 #include "host/collapse.hpp"
 #include "host/host_stages.hpp"
+#include "optimizer_rows.hpp"
 
 namespace clbvh {
 namespace {
@@ -50,7 +50,7 @@ void FinishStage::optimize(Bvh& tree, host::HostStages& stages, double begin) co
             done = std::max(done, now);
             return true;
         };
-        tree = clbvh::optimize(std::move(tree), id, budget);
+        tree = run_optimizer(std::move(tree), id, budget);
     }
 }
 

@@ -30,6 +30,13 @@ OptimizeBudget short_budget() {
     return budget;
 }
 
+/// Those that take a finished tree.
+std::vector<OptimizerInfo> tree_optimizers() {
+    std::vector<OptimizerInfo> list(optimizers().begin(), optimizers().end());
+    std::erase_if(list, [](const OptimizerInfo& info) { return info.splits_first; });
+    return list;
+}
+
 /// Ids and corners of all leaves, in order.
 using Leaf = std::pair<std::vector<std::uint32_t>, std::array<float, 6>>;
 std::vector<Leaf> leaves_of(const Bvh& tree) {
@@ -117,7 +124,7 @@ TEST_CASE("optimizers: every one improves the tree of every builder, on every ge
         const Mesh mesh = generate_scene(scene.name, 1500);
         for (const BuilderInfo& builder : builders()) {
             const Bvh tree = make_builder(builder.id).build(mesh);
-            for (const OptimizerInfo& optimizer : optimizers()) {
+            for (const OptimizerInfo& optimizer : tree_optimizers()) {
                 const std::string where = std::string(builder.id) + ", " + std::string(scene.name);
                 if (!expect_improved(optimizer.id, tree, mesh, where)) return;
             }
@@ -128,7 +135,7 @@ TEST_CASE("optimizers: every one improves the tree of every builder, on every ge
 TEST_CASE("optimizers: trees of a Morton order become much better") {
     const Mesh mesh = generate_scene("clustered", 20000);
     const Bvh tree = make_builder("lbvh").build(mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         CHECK(sah_cost(optimize(tree, optimizer.id, short_budget())) < 0.95 * sah_cost(tree));
     }
@@ -139,7 +146,7 @@ TEST_CASE("optimizers: small trees, inactive triangles, none at all") {
         Mesh mesh = random_triangles(count);
         if (count > 4) deactivate_triangles(mesh, 1, 3);
         for (const char* const builder : {"lbvh", "sweep-sah"}) {
-            for (const OptimizerInfo& optimizer : optimizers())
+            for (const OptimizerInfo& optimizer : tree_optimizers())
                 expect_improved(optimizer.id, make_builder(builder).build(mesh), mesh, std::to_string(count));
         }
     }
@@ -152,7 +159,7 @@ TEST_CASE("optimizers: equal boxes, boxes without area and hard sets of boxes en
         meshes.emplace_back(set.name, mesh_of_boxes(set.boxes));
     for (const auto& [name, mesh] : meshes) {
         const Bvh tree = make_builder("plocpp").build(mesh);
-        for (const OptimizerInfo& optimizer : optimizers())
+        for (const OptimizerInfo& optimizer : tree_optimizers())
             expect_improved(optimizer.id, tree, mesh, name);
     }
 }
@@ -161,13 +168,13 @@ TEST_CASE("optimizers: a tree that is a chain of a thousand nodes is no obstacle
     const Mesh mesh = random_triangles(1001);
     const Bvh tree = chain(mesh);
     REQUIRE(validate(tree, mesh).depth == 1000);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         expect_improved(optimizer.id, tree, mesh, "a chain");
         CHECK(sah_cost(optimize(tree, optimizer.id, short_budget())) < 0.8 * sah_cost(tree));
     }
     const Mesh long_mesh = coincident_triangles(100000);
     const Bvh long_tree = chain(long_mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         OptimizeBudget budget;
         budget.passes = 2;
@@ -188,7 +195,7 @@ TEST_CASE("optimizers: slots that no node uses may hold anything, and stay") {
     }
     tree.nodes[1] = {};
     REQUIRE(validate(tree, mesh).error == "");
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         const Bvh better = optimize(tree, optimizer.id, short_budget());
         CHECK(validate(better, mesh).error == "");
@@ -199,7 +206,7 @@ TEST_CASE("optimizers: slots that no node uses may hold anything, and stay") {
 TEST_CASE("optimizers: the same bytes on one thread and on four, and again") {
     const Mesh mesh = generate_scene("city", 30000);
     const Bvh tree = make_builder("lbvh").build(mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         const Bvh one = on_threads(1, optimizer.id, tree);
         CHECK(same_bytes(one, on_threads(4, optimizer.id, tree)));
@@ -211,7 +218,7 @@ TEST_CASE("optimizers: the same bytes on one thread and on four, and again") {
 TEST_CASE("optimizers: passes and time are kept to") {
     const Mesh mesh = generate_scene("city", 20000);
     const Bvh tree = make_builder("lbvh").build(mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         OptimizeStats stats;
         OptimizeBudget one_pass;
@@ -230,7 +237,7 @@ TEST_CASE("optimizers: passes and time are kept to") {
 TEST_CASE("optimizers: whenever they are cancelled, the tree is valid and no dearer") {
     const Mesh mesh = generate_scene("city", 5000);
     const Bvh tree = make_builder("lbvh").build(mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         for (const int calls : {0, 1, 2, 5}) {
             INFO(optimizer.id << " after " << calls << " calls");
             int left = calls;

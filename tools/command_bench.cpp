@@ -128,7 +128,7 @@ private:
 
     [[nodiscard]] std::string peers_note() const {
         const BuildOptions& options = arguments_.build.options;
-        const bool is_unequal = options.presplit_level > 0 || !options.optimizers.empty();
+        const bool is_unequal = options.presplit_level > 0 || options.split_quota > 0.0f || !options.optimizers.empty();
         return arguments_.peers && is_unequal ? "Embree's builders ran without presplitting and optimizers\n" : "";
     }
 

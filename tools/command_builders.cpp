@@ -66,7 +66,10 @@ int list(const JsonOutput& json) {
     for (const OptimizerInfo& optimizer : optimizers()) {
         optimizer_table.add_row(
             {std::string(optimizer.id), std::string(optimizer.paper), std::string(optimizer.title)});
-        optimizer_entries.push_back({{"id", optimizer.id}, {"title", optimizer.title}, {"paper", optimizer.paper}});
+        optimizer_entries.push_back({{"id", optimizer.id},
+                                     {"title", optimizer.title},
+                                     {"paper", optimizer.paper},
+                                     {"splits_first", optimizer.splits_first}});
     }
     Table preset_table({"preset", "builder", "optimizers", "passes", "max leaf", "title"}, Table::Align::left);
     nlohmann::ordered_json preset_entries = nlohmann::ordered_json::array();

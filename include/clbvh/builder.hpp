@@ -36,12 +36,12 @@ public:
     [[nodiscard]] Bvh build(const Mesh& mesh, BuildStats* stats = nullptr);
 
     /// Checks the mesh (throws what check_mesh throws, before any work) and copies it to where the builder runs. With
-    /// BuildOptions::presplit_level its triangles are split first, which may be cancelled as run() may; the time counts
-    /// in the statistics of each run() over them.
+    /// BuildOptions::presplit_level or split_quota its triangles are split first, which may be cancelled as run() may;
+    /// the time counts in the statistics of each run() over them.
     void upload(const Mesh& mesh);
     /// Builds from the uploaded mesh to a finished tree in the builder's own memory, and waits for it. With
-    /// BuildOptions::max_leaf_size or presplit_level, the host finishes the tree: leaves name the uploaded triangles,
-    /// each once a leaf, and are merged where that lowers the SAH cost. Throws Error(invalid_input) where nothing was
+    /// BuildOptions::max_leaf_size, presplit_level or split_quota, the host finishes the tree: leaves name the uploaded
+    /// triangles, each once a leaf, and are merged where that lowers the SAH cost. Throws Error(invalid_input) where nothing was
     /// uploaded, Error(cancelled) where the progress callback said no.
     BuildStats run();
     /// A copy of the last finished tree. Throws Error(invalid_input) where there is none.

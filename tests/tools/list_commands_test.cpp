@@ -53,6 +53,7 @@ TEST_CASE("builders lists the table of optimizers too") {
         CHECK(list[i]["id"] == optimizers()[i].id);
         CHECK(list[i]["title"] == optimizers()[i].title);
         CHECK(list[i]["paper"] == optimizers()[i].paper);
+        CHECK(list[i]["splits_first"] == optimizers()[i].splits_first);
         CHECK_THAT(table.out,
                    Contains(std::string(optimizers()[i].id)) && Contains(std::string(optimizers()[i].title)));
     }

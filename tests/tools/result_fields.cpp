@@ -125,7 +125,7 @@ void check_result(const ordered_json& result, const Names& extra) {
 
 void check_options(const ordered_json& options) {
     INFO(options.dump(2));
-    const Names reals{"inner_cost", "primitive_cost", "split_alpha", "reference_budget"};
+    const Names reals{"inner_cost", "primitive_cost", "split_alpha", "reference_budget", "split_quota"};
     const Names choices{"shape",         "sort_shape",   "morton_code", "neighbour_encoding", "neighbour_search",
                         "hploc_quality", "hploc_search", "merge_pairs", "optimizers"};
     const Names counts{"max_leaf_size", "bin_count",   "presplit_level",  "thread_count",           "search_radius",

@@ -71,7 +71,7 @@ struct DeviceBuildSizes {
 class DeviceBuilder {
 public:
     /// Throws what Builder's constructor throws, and Error(unsupported) for a builder of the host and for options that
-    /// are the host's work (max_leaf_size, presplit_level). BuildOptions::progress is never called.
+    /// are the host's work (max_leaf_size, presplit_level, split_quota). BuildOptions::progress is never called.
     DeviceBuilder(std::string_view builder_id, Context context, const BuildOptions& options = {});
     DeviceBuilder(const DeviceBuilder&) = delete;
     DeviceBuilder(DeviceBuilder&&) noexcept;
