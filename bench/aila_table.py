@@ -11,8 +11,8 @@ from plotting.data import BadInput, load_document, of_scenes, short_name  # noqa
 from plotting.pages import fit_cells, mean_ratio, pool_rows, print_table, published  # noqa: E402
 
 BASELINE = "lbvh"
-TIMINGS = {"binary_ns_per_ray": "host, binary", "ns_per_ray": "host", "device_binary_ns_per_ray": "device, binary",
-           "device_ns_per_ray": "device"}
+MEASURES = {"cost_per_ray": "cost/ray", "binary_ns_per_ray": "ns/ray, host, binary", "ns_per_ray": "ns/ray, host",
+            "device_binary_ns_per_ray": "ns/ray, device, binary", "device_ns_per_ray": "ns/ray, device"}
 TREE_ROWS = {"SAH": ("sah", 2), "EPO": ("epo", 2), "LCV": ("lcv", 2)}
 # Which row of the paper's stands below which of ours: its scalar rays are traced one at a time, as the host's are.
 COMPARED = {"sah": "sah", "epo": "epo", "lcv": "lcv", "binary_ns_per_ray": "ns_per_ray scalar",
@@ -20,7 +20,7 @@ COMPARED = {"sah": "sah", "epo": "epo", "lcv": "lcv", "binary_ns_per_ray": "ns_p
 
 
 def measured(document):
-    return {field: title for field, title in TIMINGS.items() if all(field in r for r in document["results"])}
+    return {field: title for field, title in MEASURES.items() if all(field in r for r in document["results"])}
 
 
 def columns_of(results):
@@ -44,7 +44,7 @@ def print_relations(document, scenes):
     columns = columns_of(document["results"])
     paper = published()["aila"]["relative_to_lbvh"]
     fields = {**{field: title for title, (field, _) in TREE_ROWS.items()},
-              **{field: "ns/ray, " + title for field, title in measured(document).items()}}
+              **measured(document)}
     rows = []
     for field, title in fields.items():
         rows.append([title] + [mean_ratio(scenes, id, field, BASELINE) for id in columns])
@@ -69,7 +69,7 @@ def print_correlations(document):
         for pool in correlation["pooled"]:
             if pool["measurement"] == field:
                 rows += pool_rows(pool)
-        print(f"With ns/ray, {title}:\n")
+        print(f"With {title}:\n")
         print_table(["scene", "SAH", "SAH+EPO", "alpha", "SAH+EPO+LCV", "alpha", "beta"], rows)
 
 
@@ -85,7 +85,7 @@ def print_scene(document, scene, results):
     for field, title in measured(document).items():
         sah, both, alpha, all_three, alpha_of_three, beta = fits.get(field, [""] * 6)
         cells = [sah, f"{both} ({alpha})", f"{all_three} ({alpha_of_three}, {beta})"] if field in fits else [""] * 3
-        rows.append(["ns/ray, " + title] + [f"{r[field]:.1f}" for r in results] + cells)
+        rows.append([title] + [f"{r[field]:.1f}" for r in results] + cells)
     for title, (field, digits) in TREE_ROWS.items():
         rows.append([title] + [f"{r[field]:.{digits}f}" for r in results] + [""] * 3)
     rows.append(["build ms"] + [milliseconds(r["build_ms"]) for r in results] + [""] * 3)
