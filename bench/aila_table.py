@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Writes what `clbvh table` measured as a page of tables, beside what the paper's tables say.
 
-    aila_table.py TABLE.json > PAGE.md
+    aila_table.py TABLE.json [TURNED.json] > PAGE.md
+
+TURNED.json is of the same scenes with --rotate.
 """
 import sys
 
@@ -73,6 +75,25 @@ def print_correlations(document):
         print_table(["scene", "SAH", "SAH+EPO", "alpha", "SAH+EPO+LCV", "alpha", "beta"], rows)
 
 
+def mean_rise(scenes, turned, builder, field):
+    """Over the scenes, in percent."""
+    rises = []
+    for scene, results in scenes.items():
+        before, after = ({r["builder"]: r[field] for r in of}[builder] for of in (results, turned[scene]))
+        rises.append(100 * (after / before - 1))
+    return f"{sum(rises) / len(rises):+.0f} %"
+
+
+def print_turned(document, scenes, turned):
+    """Only of what is the same on every machine."""
+    columns = columns_of(document["results"])
+    of_turned = of_scenes(turned["results"], list(scenes), "the file of turned scenes")
+    print(f"## Turned by {turned['rotate_degrees']:g} degrees\n\nMean rise over the scenes (section 4.4 of the paper).\n")
+    print_table([""] + list(columns.values()),
+                [[title] + [mean_rise(scenes, of_turned, id, field) for id in columns]
+                 for title, field in (("SAH", "sah"), ("EPO", "epo"), ("cost/ray", "cost_per_ray"))])
+
+
 def milliseconds(value):
     return f"{value:.1f}" if value < 100 else f"{value:.0f}"
 
@@ -92,28 +113,36 @@ def print_scene(document, scene, results):
     print_table([""] + [r["title"] for r in results] + ["SAH", "SAH+EPO (alpha)", "SAH+EPO+LCV (alpha, beta)"], rows)
 
 
-def print_page(document):
+def print_page(document, turned):
     scenes = of_scenes(document["results"], None, "")
     print_head(document)
     print_relations(document, scenes)
+    if turned:
+        print_turned(document, scenes, turned)
     print_correlations(document)
     print("## Scenes\n")
     for scene, results in scenes.items():
         print_scene(document, scene, results)
 
 
+def load_table(path):
+    document = load_document(path)
+    if not document.get("results") or "anneal_passes" not in document:
+        raise BadInput(f"{path} holds no table; run clbvh table with --json")
+    return document
+
+
 def main():
-    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+    paths = sys.argv[1:]
+    if len(paths) not in (1, 2) or paths[0].startswith("-"):
         sys.exit(__doc__)
     try:
-        document = load_document(sys.argv[1])
-        if not document.get("results") or "anneal_passes" not in document:
-            raise BadInput(f"{sys.argv[1]} holds no table; run clbvh table with --json")
-        print_page(document)
+        documents = [load_table(path) for path in paths]
+        print_page(documents[0], documents[1] if len(documents) > 1 else None)
     except BadInput as error:
         sys.exit(f"aila_table.py: error: {error}")
     except KeyError as error:
-        sys.exit(f"aila_table.py: error: {sys.argv[1]} lacks {error}")
+        sys.exit(f"aila_table.py: error: {' or '.join(paths)} lacks {error}")
 
 
 if __name__ == "__main__":

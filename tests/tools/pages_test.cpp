@@ -55,6 +55,14 @@ TEST_CASE("the page of the nine builders has their table beside the paper's") {
     for (const char* part : {"annealing of 20 passes", "| STreelet |", "*paper, scalar*", "*0.446*", "gen:city:1000",
                              "**least**", "| EPO |", "| build ms |"})
         CHECK_THAT(page.text, Contains(part));
+    CHECK_THAT(page.text, !Contains("## Turned"));
+    const std::string turned = folder.path("turned.json");
+    run({"table", "gen:city:1000", "gen:soup:500", "--count", "1000", "--anneal-passes", "20", "--rotate", "45"},
+        turned);
+    const Page both = make_page("aila_table.py", {json, turned});
+    CHECK(both.success);
+    CHECK_THAT(both.text, Contains("## Turned by 45 degrees") && Contains("| cost/ray | +"));
+    CHECK_THAT(make_page("aila_table.py", {turned, folder.path("none.json")}).text, Contains("none.json"));
 }
 
 TEST_CASE("tables of scenes that were measured one at a time are joined") {
