@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Writes what `clbvh table` measured as a page of tables, beside what the paper's tables say.
 
-    aila_table.py TABLE.json > PAGE.md
+    aila_table.py TABLE.json [TURNED.json] > PAGE.md
+
+TURNED.json is of the same scenes with --rotate.
 """
 import sys
 
@@ -11,8 +13,8 @@ from plotting.data import BadInput, load_document, of_scenes, short_name  # noqa
 from plotting.pages import fit_cells, mean_ratio, pool_rows, print_table, published  # noqa: E402
 
 BASELINE = "lbvh"
-TIMINGS = {"binary_ns_per_ray": "host, binary", "ns_per_ray": "host", "device_binary_ns_per_ray": "device, binary",
-           "device_ns_per_ray": "device"}
+MEASURES = {"cost_per_ray": "cost/ray", "binary_ns_per_ray": "ns/ray, host, binary", "ns_per_ray": "ns/ray, host",
+            "device_binary_ns_per_ray": "ns/ray, device, binary", "device_ns_per_ray": "ns/ray, device"}
 TREE_ROWS = {"SAH": ("sah", 2), "EPO": ("epo", 2), "LCV": ("lcv", 2)}
 # Which row of the paper's stands below which of ours: its scalar rays are traced one at a time, as the host's are.
 COMPARED = {"sah": "sah", "epo": "epo", "lcv": "lcv", "binary_ns_per_ray": "ns_per_ray scalar",
@@ -20,7 +22,7 @@ COMPARED = {"sah": "sah", "epo": "epo", "lcv": "lcv", "binary_ns_per_ray": "ns_p
 
 
 def measured(document):
-    return {field: title for field, title in TIMINGS.items() if all(field in r for r in document["results"])}
+    return {field: title for field, title in MEASURES.items() if all(field in r for r in document["results"])}
 
 
 def columns_of(results):
@@ -44,7 +46,7 @@ def print_relations(document, scenes):
     columns = columns_of(document["results"])
     paper = published()["aila"]["relative_to_lbvh"]
     fields = {**{field: title for title, (field, _) in TREE_ROWS.items()},
-              **{field: "ns/ray, " + title for field, title in measured(document).items()}}
+              **measured(document)}
     rows = []
     for field, title in fields.items():
         rows.append([title] + [mean_ratio(scenes, id, field, BASELINE) for id in columns])
@@ -69,8 +71,27 @@ def print_correlations(document):
         for pool in correlation["pooled"]:
             if pool["measurement"] == field:
                 rows += pool_rows(pool)
-        print(f"With ns/ray, {title}:\n")
+        print(f"With {title}:\n")
         print_table(["scene", "SAH", "SAH+EPO", "alpha", "SAH+EPO+LCV", "alpha", "beta"], rows)
+
+
+def mean_rise(scenes, turned, builder, field):
+    """Over the scenes, in percent."""
+    rises = []
+    for scene, results in scenes.items():
+        before, after = ({r["builder"]: r[field] for r in of}[builder] for of in (results, turned[scene]))
+        rises.append(100 * (after / before - 1))
+    return f"{sum(rises) / len(rises):+.0f} %"
+
+
+def print_turned(document, scenes, turned):
+    """Only of what is the same on every machine."""
+    columns = columns_of(document["results"])
+    of_turned = of_scenes(turned["results"], list(scenes), "the file of turned scenes")
+    print(f"## Turned by {turned['rotate_degrees']:g} degrees\n\nMean rise over the scenes (section 4.4 of the paper).\n")
+    print_table([""] + list(columns.values()),
+                [[title] + [mean_rise(scenes, of_turned, id, field) for id in columns]
+                 for title, field in (("SAH", "sah"), ("EPO", "epo"), ("cost/ray", "cost_per_ray"))])
 
 
 def milliseconds(value):
@@ -85,35 +106,43 @@ def print_scene(document, scene, results):
     for field, title in measured(document).items():
         sah, both, alpha, all_three, alpha_of_three, beta = fits.get(field, [""] * 6)
         cells = [sah, f"{both} ({alpha})", f"{all_three} ({alpha_of_three}, {beta})"] if field in fits else [""] * 3
-        rows.append(["ns/ray, " + title] + [f"{r[field]:.1f}" for r in results] + cells)
+        rows.append([title] + [f"{r[field]:.1f}" for r in results] + cells)
     for title, (field, digits) in TREE_ROWS.items():
         rows.append([title] + [f"{r[field]:.{digits}f}" for r in results] + [""] * 3)
     rows.append(["build ms"] + [milliseconds(r["build_ms"]) for r in results] + [""] * 3)
     print_table([""] + [r["title"] for r in results] + ["SAH", "SAH+EPO (alpha)", "SAH+EPO+LCV (alpha, beta)"], rows)
 
 
-def print_page(document):
+def print_page(document, turned):
     scenes = of_scenes(document["results"], None, "")
     print_head(document)
     print_relations(document, scenes)
+    if turned:
+        print_turned(document, scenes, turned)
     print_correlations(document)
     print("## Scenes\n")
     for scene, results in scenes.items():
         print_scene(document, scene, results)
 
 
+def load_table(path):
+    document = load_document(path)
+    if not document.get("results") or "anneal_passes" not in document:
+        raise BadInput(f"{path} holds no table; run clbvh table with --json")
+    return document
+
+
 def main():
-    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+    paths = sys.argv[1:]
+    if len(paths) not in (1, 2) or paths[0].startswith("-"):
         sys.exit(__doc__)
     try:
-        document = load_document(sys.argv[1])
-        if not document.get("results") or "anneal_passes" not in document:
-            raise BadInput(f"{sys.argv[1]} holds no table; run clbvh table with --json")
-        print_page(document)
+        documents = [load_table(path) for path in paths]
+        print_page(documents[0], documents[1] if len(documents) > 1 else None)
     except BadInput as error:
         sys.exit(f"aila_table.py: error: {error}")
     except KeyError as error:
-        sys.exit(f"aila_table.py: error: {sys.argv[1]} lacks {error}")
+        sys.exit(f"aila_table.py: error: {' or '.join(paths)} lacks {error}")
 
 
 if __name__ == "__main__":

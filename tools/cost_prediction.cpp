@@ -29,7 +29,8 @@ struct Measurement {
 
 constexpr std::array kMeasurements{Measurement{"ns_per_ray", "ns/ray"}, Measurement{"binary_ns_per_ray", "binary"},
                                    Measurement{"device_ns_per_ray", "device"},
-                                   Measurement{"device_binary_ns_per_ray", "device, binary"}};
+                                   Measurement{"device_binary_ns_per_ray", "device, binary"},
+                                   Measurement{"cost_per_ray", "cost/ray"}};
 
 std::string title_of(const std::string& measurement) {
     const auto known = std::ranges::find(kMeasurements, measurement, &Measurement::name);

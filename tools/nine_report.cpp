@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <clbvh/metrics/sah.hpp>
 #include <functional>
 
 #include "table.hpp"
@@ -14,11 +15,11 @@ namespace {
 using nlohmann::ordered_json;
 
 /// One way to measure what rays cost; some have rows only where the device traced.
-struct Timing {
-    const char* measurement;
+struct Measure {
+    const char* name;  // in JSON
     const char* title;
     bool on_device;
-    double (*ns_per_ray)(const MetricsResult&);
+    double (*value)(const MetricsResult&);
 };
 
 double whole(const MetricsResult& result) {
@@ -28,15 +29,23 @@ double binary(const MetricsResult& result) {
     return result.binary_ns_per_ray();
 }
 
-constexpr std::array kTimings{
-    Timing{"ns_per_ray", "ns/ray, host", false, whole},
-    Timing{"binary_ns_per_ray", "host, binary", false, binary},
-    Timing{"device_ns_per_ray", "ns/ray, device", true, whole},
-    Timing{"device_binary_ns_per_ray", "device, binary", true, binary},
+/// What a ray visits, at the costs of SAH and EPO.
+double visits(const MetricsResult& result) {
+    constexpr SahCosts kCosts;
+    const RayCost& cost = result.trace.cost;
+    return kCosts.inner * cost.inner_per_ray + kCosts.primitive * cost.triangles_per_ray;
+}
+
+constexpr std::array kMeasures{
+    Measure{"ns_per_ray", "ns/ray, host", false, whole},
+    Measure{"binary_ns_per_ray", "host, binary", false, binary},
+    Measure{"device_ns_per_ray", "ns/ray, device", true, whole},
+    Measure{"device_binary_ns_per_ray", "device, binary", true, binary},
+    Measure{"cost_per_ray", "cost/ray", false, visits},
 };
 
-const std::vector<MetricsResult>& results_of(const NineScene& scene, const Timing& timing) {
-    return timing.on_device ? scene.device : scene.host;
+const std::vector<MetricsResult>& results_of(const NineScene& scene, const Measure& measure) {
+    return measure.on_device ? scene.device : scene.host;
 }
 
 /// Correlations in the paper's last three columns, with their weights.
@@ -82,16 +91,16 @@ private:
     Table table_;
 };
 
-void add_timings(Layout& layout, const NineScene& scene, std::span<const Prediction> predictions) {
-    for (const Timing& timing : kTimings) {
-        const std::vector<MetricsResult>& results = results_of(scene, timing);
+void add_measures(Layout& layout, const NineScene& scene, std::span<const Prediction> predictions) {
+    for (const Measure& measure : kMeasures) {
+        const std::vector<MetricsResult>& results = results_of(scene, measure);
         if (results.empty()) continue;
         std::vector<std::string> fits;
         for (const Prediction& prediction : predictions) {
-            if (prediction.measurement == timing.measurement) fits = fit_cells(prediction.fits);
+            if (prediction.measurement == measure.name) fits = fit_cells(prediction.fits);
         }
         layout.add(
-            timing.title, results, [&](const MetricsResult& r) { return fixed_text(timing.ns_per_ray(r), 1); }, fits);
+            measure.title, results, [&](const MetricsResult& r) { return fixed_text(measure.value(r), 1); }, fits);
     }
 }
 
@@ -106,11 +115,11 @@ std::string title_of(const NineScene& scene) {
 std::vector<Prediction> predict(const NineScene& scene) {
     std::vector<Prediction> predictions;
     if (scene.host.size() < kFewestPredicted) return predictions;
-    for (const Timing& timing : kTimings) {
+    for (const Measure& measure : kMeasures) {
         std::vector<TreeCost> trees;
-        for (const MetricsResult& result : results_of(scene, timing))
-            trees.push_back(result.cost(timing.ns_per_ray(result)));
-        if (!trees.empty()) predictions.push_back(predict(scene.name, timing.measurement, std::move(trees)));
+        for (const MetricsResult& result : results_of(scene, measure))
+            trees.push_back(result.cost(measure.value(result)));
+        if (!trees.empty()) predictions.push_back(predict(scene.name, measure.name, std::move(trees)));
     }
     return predictions;
 }
@@ -118,7 +127,7 @@ std::vector<Prediction> predict(const NineScene& scene) {
 std::string nine_report(const NineScene& scene, std::span<const Prediction> predictions) {
     using Result = const MetricsResult&;
     Layout layout(scene, !predictions.empty());
-    add_timings(layout, scene, predictions);
+    add_measures(layout, scene, predictions);
     layout.add("SAH", scene.host, [](Result r) { return fixed_text(r.trace.sah, 2); });
     layout.add("EPO", scene.host, [](Result r) { return fixed_text(r.epo, 2); });
     layout.add("LCV", scene.host, [](Result r) { return fixed_text(r.trace.cost.leaf_count_variability, 2); });
@@ -138,6 +147,7 @@ ordered_json to_json(const NineScene& scene) {
         json["made_by"] = nine.builder;
         json["optimizers"] = nine.optimizers;
         json["build_ms"] = scene.build_ms[i];
+        json["cost_per_ray"] = visits(scene.host[i]);
         if (scene.device.empty()) continue;
         const MetricsResult& on_device = scene.device[i];
         json["device_ns_per_ray"] = on_device.trace.cost.ns_per_ray();

@@ -11,7 +11,8 @@
 namespace clbvh::tool {
 
 /// How well SAH, EPO and LCV predict what was measured: "ns_per_ray", "binary_ns_per_ray" and, where the device traced,
-/// "device_ns_per_ray" and "device_binary_ns_per_ray". None where there are fewer than kFewestPredicted trees.
+/// "device_ns_per_ray" and "device_binary_ns_per_ray"; and "cost_per_ray", what rays visit at the costs of SAH. None
+/// where there are fewer than kFewestPredicted trees.
 [[nodiscard]] std::vector<Prediction> predict(const NineScene& scene);
 
 /// The table of one scene as the paper lays it out: builders are columns, and correlations stand behind them.

@@ -25,6 +25,8 @@ def pool_rows(pool):
     for title, key in (("mean", "mean"), ("least", "minimum")):
         sah, both, all_three = (f"**{fit[key]:.3f}**" for fit in fits)
         rows.append([f"**{title}**", sah, both, "", all_three, "", ""])
+    if "shared" not in pool["sah"]:  # scenes that were measured one at a time
+        return rows
     shared = {name: pool[name]["shared"] for name in ("sah", "sah_epo", "sah_epo_lcv")}
     return rows + [["**weights shared**"] + fit_cells(shared)]
 

@@ -1,6 +1,9 @@
 // The pages of docs/results that bench/ makes from what the command writes.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -52,6 +55,41 @@ TEST_CASE("the page of the nine builders has their table beside the paper's") {
     for (const char* part : {"annealing of 20 passes", "| STreelet |", "*paper, scalar*", "*0.446*", "gen:city:1000",
                              "**least**", "| EPO |", "| build ms |"})
         CHECK_THAT(page.text, Contains(part));
+    CHECK_THAT(page.text, !Contains("## Turned"));
+    const std::string turned = folder.path("turned.json");
+    run({"table", "gen:city:1000", "gen:soup:500", "--count", "1000", "--anneal-passes", "20", "--rotate", "45"},
+        turned);
+    const Page both = make_page("aila_table.py", {json, turned});
+    CHECK(both.success);
+    CHECK_THAT(both.text, Contains("## Turned by 45 degrees") && Contains("| cost/ray | +"));
+    CHECK_THAT(make_page("aila_table.py", {turned, folder.path("none.json")}).text, Contains("none.json"));
+}
+
+TEST_CASE("tables of scenes that were measured one at a time are joined") {
+    const ScratchFolder folder;
+    const Words files{folder.path("city.json"), folder.path("soup.json")};
+    const Words rest{"--count", "1000", "--anneal-passes", "20"};
+    Words city{"table", "gen:city:500"}, soup{"table", "gen:soup:500"};
+    city.insert(city.end(), rest.begin(), rest.end());
+    soup.insert(soup.end(), rest.begin(), rest.end());
+    run(city, files[0]);
+    run(soup, files[1]);
+    const Page joined = make_page("join_tables.py", files);
+    REQUIRE(joined.success);
+    const auto document = nlohmann::json::parse(joined.text);
+    CHECK(document["results"].size() == 18);
+    const auto& scenes = document["correlation"]["scenes"];
+    const auto& pooled = document["correlation"]["pooled"];
+    REQUIRE(scenes.size() == 10);
+    REQUIRE(pooled.size() == 5);
+    const double a = scenes[0]["sah_epo"]["correlation"], b = scenes[5]["sah_epo"]["correlation"];
+    CHECK(pooled[0]["measurement"] == scenes[0]["measurement"]);
+    CHECK(pooled[0]["sah_epo"]["mean"].get<double>() == Approx((a + b) / 2));
+    CHECK(pooled[0]["sah_epo"]["minimum"].get<double>() == Approx(std::min(a, b)));
+    const std::string all = folder.path("all.json");
+    std::ofstream(all) << joined.text;
+    CHECK(make_page("aila_table.py", {all}).success);
+    CHECK_THAT(make_page("join_tables.py", {all, files[1]}).text, Contains("gen:soup:500 is in more than one"));
 }
 
 TEST_CASE("the page of optimisers has their costs beside the papers'") {

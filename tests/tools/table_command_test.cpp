@@ -125,6 +125,8 @@ TEST_CASE("table tells of each builder's tree what the library says of it") {
         CHECK(result["depth"] == shape.depth());
         CHECK(result["mismatches"] == 0);
         CHECK(result["device_mismatches"] == 0);
+        CHECK(result["cost_per_ray"].get<double>() ==
+              Approx(1.2 * result["inner_per_ray"].get<double>() + result["triangles_per_ray"].get<double>()));
         for (const char* time :
              {"build_ms", "ns_per_ray", "binary_ns_per_ray", "device_ns_per_ray", "device_binary_ns_per_ray"})
             CHECK(result[time].get<double>() > 0.0);
@@ -143,7 +145,8 @@ TEST_CASE("table predicts what it measured, on the host and on the device") {
         CHECK(prediction["scene"] == "gen:city:2000");
         check_prediction(prediction, document["results"]);
     }
-    CHECK(measurements == Words{"ns_per_ray", "binary_ns_per_ray", "device_ns_per_ray", "device_binary_ns_per_ray"});
+    CHECK(measurements ==
+          Words{"ns_per_ray", "binary_ns_per_ray", "device_ns_per_ray", "device_binary_ns_per_ray", "cost_per_ray"});
 }
 
 TEST_CASE("table says the same of a tree as metrics, and traces the same rays") {
@@ -170,8 +173,9 @@ TEST_CASE("table lays builders out as the paper's columns") {
         INFO(column);
         REQUIRE(at != std::string::npos);
     }
-    for (const char* word : {"gen:city:1000: 1000 triangles; ", "\nns/ray, host", "\nhost, binary", "\nns/ray, device",
-                             "\nSAH ", "\nEPO ", "\nLCV ", "\nbuild ms", " a=", " b=", "over 2 scenes", "shared"})
+    for (const char* word :
+         {"gen:city:1000: 1000 triangles; ", "\nns/ray, host", "\nhost, binary", "\nns/ray, device", "\ncost/ray",
+          "\nSAH ", "\nEPO ", "\nLCV ", "\nbuild ms", " a=", " b=", "over 2 scenes", "shared"})
         CHECK_THAT(outcome.out, Contains(word));
     CHECK_THAT(outcome.out, !Contains("Bittner"));
     const Outcome few = table({"gen:city:1000", "--builders", "lbvh,bbvh,sbvh"});
