@@ -9,6 +9,7 @@
 #include "clbvh/optimize/reinsert.hpp"
 #include "clbvh/optimize/rotate.hpp"
 #include "clbvh/optimize/treelet.hpp"
+#include "optimizer_rows.hpp"
 
 namespace clbvh {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 struct OptimizerRow {
     OptimizerInfo info;
     Bvh (*run)(Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats);
+    const device::DeviceOptimizerRow* device_row = nullptr;  // on_device is whether there is one
 };
 
 template <typename Config>
@@ -40,7 +42,8 @@ const OptimizerRow kRows[] = {
     {{"treelet", "Treelets of 7 leaves become the best trees over these leaves", "Karras, Aila 2013"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
          return restructure_treelets(std::move(tree), within<TreeletConfig>(budget), &stats);
-     }},
+     },
+     &device::kTreelet},
     {{"rotate", "Hill climbing by tree rotations", "Kensler 2008"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
          return rotate(std::move(tree), within<RotateConfig>(budget), &stats);
@@ -77,18 +80,33 @@ std::vector<const OptimizerRow*> find_rows(std::string_view ids) {
 std::span<const OptimizerInfo> optimizers() noexcept {
     static const std::vector<OptimizerInfo> infos = [] {
         std::vector<OptimizerInfo> list;
-        std::ranges::transform(kRows, std::back_inserter(list), &OptimizerRow::info);
+        for (const OptimizerRow& row : kRows) {
+            list.push_back(row.info);
+            list.back().on_device = row.device_row != nullptr;
+        }
         return list;
     }();
     return infos;
 }
 
 const OptimizerInfo& find_optimizer(std::string_view id) {
-    return find_row(id).info;
+    return optimizers()[static_cast<std::size_t>(&find_row(id) - kRows)];
 }
 
 void check_optimizers(std::string_view ids) {
     static_cast<void>(find_rows(ids));
+}
+
+std::vector<device::ChosenOptimizer> find_device_optimizers(std::string_view ids) {
+    std::vector<device::ChosenOptimizer> chosen;
+    for (const OptimizerRow* row : find_rows(ids)) {
+        if (row->device_row == nullptr) {
+            throw Error(ErrorCode::unsupported, "the optimizer " + std::string(row->info.id) +
+                                                    " runs on the host only; take another, or let the host optimize");
+        }
+        chosen.push_back({row->info.id, row->device_row});
+    }
+    return chosen;
 }
 
 Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget, OptimizeStats* stats) {

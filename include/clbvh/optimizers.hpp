@@ -14,6 +14,7 @@ struct OptimizerInfo {
     std::string_view id;     ///< What users type, for example "reinsert".
     std::string_view title;  ///< One line for people.
     std::string_view paper;  ///< Authors and year.
+    bool on_device = false;  ///< DeviceOptimizer has it too.
 };
 
 /// Every optimiser of the library, in the order in which tables list them.

@@ -76,7 +76,7 @@ void enqueue_pipeline(Launcher& launcher, const DeviceAlgorithm& algorithm, cons
     const BuildBuffers buffers = cut_views(build.memory, build.plan);
     launch_stages(launcher, algorithm, settings, build.mesh, buffers, true);
     if (writes_count) {
-        launcher.copy_uint(buffers.leaf_count, build.active_count.buffer, build.active_count.offset);
+        launcher.copy_uint(buffers.leaf_count, 0, build.active_count.buffer, build.active_count.offset);
     }
 }
 
