@@ -23,16 +23,9 @@ struct ChosenOptimizer {
 [[nodiscard]] std::uint64_t optimizer_scratch_bytes(std::span<const ChosenOptimizer> optimizers,
                                                     const OptimizeSettings& settings, std::uint32_t node_count);
 
-/// A tree on the device, and room for the optimisers.
-struct OptimizerMemory {
-    Block nodes;
-    std::uint32_t node_count = 0;
-    Block leaf_count;  ///< without a buffer there are node_count / 2; may lie in `scratch`, which is written after it
-    Block scratch;
-};
-
-/// Enqueues the optimisers, each as a stage of its id, from `begin` of the whole on. Waits for nothing.
+/// Enqueues the optimisers, each as a stage of its id, from `begin` of the whole on. Waits for nothing. Scratch may
+/// have no buffer where it takes no bytes.
 void launch_optimizers(Launcher& launcher, std::span<const ChosenOptimizer> optimizers,
-                       const OptimizeSettings& settings, const OptimizerMemory& memory, double begin);
+                       const OptimizeSettings& settings, const TreeNodes& tree, const Block& scratch, double begin);
 
 }  // namespace clbvh::device
