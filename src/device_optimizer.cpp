@@ -39,14 +39,13 @@ std::vector<Node> without_strays(const Bvh& tree, const std::vector<bool>& in_us
 
 struct DeviceOptimizer::State {
     State(std::string_view ids, Context chosen_context, const DeviceOptimizerOptions& chosen_options)
-        : optimizers(find_device_optimizers(ids)),
-          context(std::move(chosen_context)),
+        : context(std::move(chosen_context)),
           options(chosen_options),
-          settings(device::prepare_optimizers(context.session(), optimizers, options)),
+          optimizers(context.session(), find_device_optimizers(ids), options),
           alignment(device::view_alignment(context.session())) {}
 
     [[nodiscard]] std::uint64_t scratch_bytes(std::uint32_t node_count) const {
-        const std::uint64_t bytes = device::optimizer_scratch_bytes(optimizers, settings, node_count);
+        const std::uint64_t bytes = optimizers.scratch_bytes(node_count);
         check_fits(context.session(), node_count, std::max(bytes, sizeof(Node) * std::uint64_t{node_count}));
         return bytes;
     }
@@ -54,10 +53,9 @@ struct DeviceOptimizer::State {
     void launch(device::Launcher& launcher, const DeviceNodes& tree, const DeviceSpan& scratch) const;
     void run(std::vector<Node>& nodes) const;
 
-    std::vector<device::ChosenOptimizer> optimizers;
     Context context;
     DeviceOptimizerOptions options;
-    device::OptimizeSettings settings;
+    device::OptimizerChain optimizers;
     std::uint64_t alignment;
 };
 
@@ -77,9 +75,9 @@ void DeviceOptimizer::State::launch(device::Launcher& launcher, const DeviceNode
     for (const CallerMemory& memory : {nodes, rest})
         device::check_views_allowed(memory, alignment);
     device::check_apart({nodes, rest, count});
+    device::check_not_cut(count, {nodes, rest});
     const cl::Buffer view = device::view_of(nodes.place, 0, nodes.bytes);
-    device::launch_optimizers(launcher, optimizers, settings, {view, tree.node_count, {count.buffer, count.offset}},
-                              rest.place, 0.0);
+    optimizers.launch(launcher, {view, tree.node_count, {count.buffer, count.offset}}, rest.place, 0.0);
 }
 
 void DeviceOptimizer::State::run(std::vector<Node>& nodes) const {
@@ -93,7 +91,7 @@ void DeviceOptimizer::State::run(std::vector<Node>& nodes) const {
         const device::Block rest{device::allocate_buffer(session, scratch)};
         session.queue().enqueueWriteBuffer(tree.nodes, CL_TRUE, 0, bytes, nodes.data());
         device::Launcher launcher(session, session.queue(), {});
-        device::launch_optimizers(launcher, optimizers, settings, tree, rest, 0.0);
+        optimizers.launch(launcher, tree, rest, 0.0);
         session.queue().finish();
         session.queue().enqueueReadBuffer(tree.nodes, CL_TRUE, 0, bytes, nodes.data());
     });
@@ -145,7 +143,7 @@ const Context& DeviceOptimizer::context() const noexcept {
     return state_->context;
 }
 Shape DeviceOptimizer::shape() const noexcept {
-    return state_->settings.shape;
+    return state_->optimizers.settings().shape;
 }
 
 }  // namespace clbvh
