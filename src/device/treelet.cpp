@@ -65,7 +65,6 @@ public:
         const std::uint32_t passes = job_.settings.passes != 0 ? job_.settings.passes : kPasses;
         std::uint64_t least_size = kLeaves;
         for (std::uint32_t pass = 0; pass < passes && least_size <= plan_.pairs; ++pass, least_size *= 2) {
-            if (pass > 0) launch_parents(job_.launcher, job_.settings.stream_group_size, job_.tree, parents_);
             restructure(static_cast<std::uint32_t>(least_size));
         }
     }
