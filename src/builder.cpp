@@ -11,16 +11,28 @@
 #include "clbvh/optimizers.hpp"
 #include "core/memory_errors.hpp"
 #include "finish_stage.hpp"
+#include "optimizer_rows.hpp"
 #include "presplit_stage.hpp"
 
 namespace clbvh {
 namespace {
 
+void check_for(const BuilderInfo& info, const BuildOptions& options) {
+    check_options(options);
+    check_optimizers(options.optimizers);
+    if (options.optimize_on == OptimizeOn::host || options.optimizers.empty()) return;
+    if (info.kind == BuilderKind::host) {
+        throw Error(ErrorCode::unsupported, "optimize_on device: " + std::string(info.id) +
+                                                " builds its trees on the host; let the host optimize them, or take a "
+                                                "device builder");
+    }
+    static_cast<void>(find_device_optimizers(options.optimizers));
+}
+
 // What needs no device is checked before one is opened.
 std::optional<Context> open_context_for(std::string_view builder_id, const BuildOptions& options) {
     const BuilderInfo& info = find_builder(builder_id);
-    check_options(options);
-    check_optimizers(options.optimizers);
+    check_for(info, options);
     if (info.kind == BuilderKind::host) return std::nullopt;
     return Context::open();
 }
@@ -34,7 +46,7 @@ int arena_size(std::uint32_t thread_count) {
 
 /// True where there is work behind the builder.
 bool needs_finish(const BuildOptions& options) {
-    return options.presplit_level > 0 || options.max_leaf_size > 0 || !options.optimizers.empty();
+    return options.presplit_level > 0 || options.max_leaf_size > 0 || optimizes_on_host(options);
 }
 
 /// The builder's part of a build that has stages before and behind it.
@@ -61,8 +73,7 @@ BuildOptions options_of_builder(const BuildOptions& options) {
 struct Builder::State {
     State(std::string_view builder_id, std::optional<Context> chosen_context, BuildOptions chosen_options)
         : row(find_builder_row(builder_id)), context(std::move(chosen_context)), options(std::move(chosen_options)) {
-        check_options(options);
-        check_optimizers(options.optimizers);
+        check_for(row.info, options);
         backend_options = options_of_builder(options);
         arena.initialize(arena_size(options.thread_count));
         if (row.info.kind == BuilderKind::host) {

@@ -39,30 +39,31 @@ std::vector<Node> without_strays(const Bvh& tree, const std::vector<bool>& in_us
 
 struct DeviceOptimizer::State {
     State(std::string_view ids, Context chosen_context, const DeviceOptimizerOptions& chosen_options)
-        : optimizers(find_device_optimizers(ids)),
-          context(std::move(chosen_context)),
+        : context(std::move(chosen_context)),
           options(chosen_options),
-          settings(device::prepare_optimizers(context.session(), optimizers, options)),
+          optimizers(context.session(), find_device_optimizers(ids), options),
           alignment(device::view_alignment(context.session())) {}
 
     [[nodiscard]] std::uint64_t scratch_bytes(std::uint32_t node_count) const {
-        const std::uint64_t bytes = device::optimizer_scratch_bytes(optimizers, settings, node_count);
+        const std::uint64_t bytes = optimizers.scratch_bytes(node_count);
         check_fits(context.session(), node_count, std::max(bytes, sizeof(Node) * std::uint64_t{node_count}));
         return bytes;
     }
-    [[nodiscard]] device::OptimizerMemory check(const DeviceNodes& tree, const DeviceSpan& scratch) const;
-    void run(std::vector<Node>& nodes);
+    /// Throws where something is wrong with the arguments.
+    void launch(device::Launcher& launcher, const DeviceNodes& tree, const DeviceSpan& scratch) const;
+    void run(std::vector<Node>& nodes) const;
 
-    std::vector<device::ChosenOptimizer> optimizers;
     Context context;
     DeviceOptimizerOptions options;
-    device::OptimizeSettings settings;
+    device::OptimizerChain optimizers;
     std::uint64_t alignment;
 };
 
-device::OptimizerMemory DeviceOptimizer::State::check(const DeviceNodes& tree, const DeviceSpan& scratch) const {
+void DeviceOptimizer::State::launch(device::Launcher& launcher, const DeviceNodes& tree,
+                                    const DeviceSpan& scratch) const {
     const device::Session& session = context.session();
     const std::uint64_t scratch_needed = scratch_bytes(tree.node_count);
+    if (scratch_needed == 0) return;
     CallerMemory count;
     if (tree.active_count.buffer != nullptr) {
         device::check_multiple("the active count's offset", tree.active_count.offset, 0, sizeof(cl_uint));
@@ -74,24 +75,25 @@ device::OptimizerMemory DeviceOptimizer::State::check(const DeviceNodes& tree, c
     for (const CallerMemory& memory : {nodes, rest})
         device::check_views_allowed(memory, alignment);
     device::check_apart({nodes, rest, count});
-    return {nodes.place, tree.node_count, {count.buffer, count.offset}, rest.place};
+    device::check_not_cut(count, {nodes, rest});
+    const cl::Buffer view = device::view_of(nodes.place, 0, nodes.bytes);
+    optimizers.launch(launcher, {view, tree.node_count, {count.buffer, count.offset}}, rest.place, 0.0);
 }
 
-void DeviceOptimizer::State::run(std::vector<Node>& nodes) {
+void DeviceOptimizer::State::run(std::vector<Node>& nodes) const {
     device::with_opencl_errors("optimizing a tree", [&] {
         device::Session& session = context.session();
         const auto node_count = static_cast<std::uint32_t>(nodes.size());
         const std::uint64_t bytes = sizeof(Node) * std::uint64_t{node_count};
-        device::OptimizerMemory memory;
         const std::uint64_t scratch = scratch_bytes(node_count);
-        memory.nodes.buffer = device::allocate_buffer(session, bytes);
-        memory.node_count = node_count;
-        memory.scratch.buffer = device::allocate_buffer(session, scratch);
-        session.queue().enqueueWriteBuffer(memory.nodes.buffer, CL_TRUE, 0, bytes, nodes.data());
+        if (scratch == 0) return;
+        const device::TreeNodes tree{device::allocate_buffer(session, bytes), node_count, {}};
+        const device::Block rest{device::allocate_buffer(session, scratch)};
+        session.queue().enqueueWriteBuffer(tree.nodes, CL_TRUE, 0, bytes, nodes.data());
         device::Launcher launcher(session, session.queue(), {});
-        device::launch_optimizers(launcher, optimizers, settings, memory, 0.0);
+        optimizers.launch(launcher, tree, rest, 0.0);
         session.queue().finish();
-        session.queue().enqueueReadBuffer(memory.nodes.buffer, CL_TRUE, 0, bytes, nodes.data());
+        session.queue().enqueueReadBuffer(tree.nodes, CL_TRUE, 0, bytes, nodes.data());
     });
 }
 
@@ -116,9 +118,7 @@ void DeviceOptimizer::enqueue(cl_command_queue queue, const DeviceNodes& tree, c
         device::Session& session = state.context.session();
         device::check_queue(session, queue);
         device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
-        if (tree.node_count > 0) {
-            device::launch_optimizers(launcher, state.optimizers, state.settings, state.check(tree, scratch), 0.0);
-        }
+        state.launch(launcher, tree, scratch);
         launcher.hand_over_end(event);
     });
 }
@@ -143,7 +143,7 @@ const Context& DeviceOptimizer::context() const noexcept {
     return state_->context;
 }
 Shape DeviceOptimizer::shape() const noexcept {
-    return state_->settings.shape;
+    return state_->optimizers.settings().shape;
 }
 
 }  // namespace clbvh

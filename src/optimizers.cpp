@@ -109,6 +109,13 @@ std::vector<device::ChosenOptimizer> find_device_optimizers(std::string_view ids
     return chosen;
 }
 
+device::OptimizerChain make_optimizer_chain(device::Session& session, const BuildOptions& options) {
+    if (options.optimizers.empty()) return {};
+    DeviceOptimizerOptions device_options;
+    device_options.shape = options.shape;
+    return {session, find_device_optimizers(options.optimizers), device_options};
+}
+
 Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget, OptimizeStats* stats) {
     OptimizeStats sums;
     for (const OptimizerRow* row : find_rows(ids)) {

@@ -84,6 +84,9 @@ void BuildArguments::add_tree_options(CLI::App& command) {
                     "merged; see clbvh builders")
         ->group(kTree)
         ->type_name("A,B,C");
+    add_choice(command, "--optimize-on", options.optimize_on, {OptimizeOn::host, OptimizeOn::device}, optimize_on_from,
+               "Where they run; those that clbvh builders lists for devices run on the one that built the tree")
+        ->group(kTree);
     add_number(
         command, "--max-leaf", &BuildOptions::max_leaf_size,
         "Largest leaf, 1 to 64: the builder's own where it makes leaves itself (binned-sah, sweep-sah, sbvh, aac, "

@@ -109,6 +109,7 @@ ordered_json options_json(const BuildOptions& options) {
         {"reference_budget", shortest(options.reference_budget)},
         {"presplit_level", options.presplit_level},
         {"optimizers", options.optimizers},
+        {"optimize_on", to_string(options.optimize_on)},
         {"thread_count", options.thread_count},
         {"search_radius", options.search_radius},
         {"shape", to_string(options.shape)},

@@ -50,6 +50,11 @@ constexpr std::array kPairMergings{
     Named{PairMerging::off, "off"},
 };
 
+constexpr std::array kOptimizeOn{
+    Named{OptimizeOn::host, "host"},
+    Named{OptimizeOn::device, "device"},
+};
+
 /// Empty where the value is none of the enumerators.
 template <typename Table, typename Enum>
 std::string_view name_of(const Table& table, Enum value) noexcept {
@@ -116,6 +121,7 @@ void check_options(const BuildOptions& options) {
     check_range("split_alpha", options.split_alpha, 0.0f, 1.0f);
     check_range("reference_budget", options.reference_budget, 1.0f, 8.0f);
     check_range("presplit_level", options.presplit_level, 0, kMaxPresplitLevel);
+    check_enumerator("optimize_on", options.optimize_on);
     check_range("thread_count", options.thread_count, 0, 1024);
     check_range("search_radius", options.search_radius, 1, 32);
     check_enumerator("shape", options.shape);
@@ -152,6 +158,9 @@ std::string_view to_string(HplocSearch search) noexcept {
 std::string_view to_string(PairMerging merging) noexcept {
     return name_of(kPairMergings, merging);
 }
+std::string_view to_string(OptimizeOn where) noexcept {
+    return name_of(kOptimizeOn, where);
+}
 
 std::optional<Shape> shape_from(std::string_view name) noexcept {
     return value_of(kShapes, name);
@@ -173,6 +182,9 @@ std::optional<HplocSearch> hploc_search_from(std::string_view name) noexcept {
 }
 std::optional<PairMerging> pair_merging_from(std::string_view name) noexcept {
     return value_of(kPairMergings, name);
+}
+std::optional<OptimizeOn> optimize_on_from(std::string_view name) noexcept {
+    return value_of(kOptimizeOn, name);
 }
 
 }  // namespace clbvh

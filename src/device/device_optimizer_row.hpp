@@ -5,6 +5,7 @@
 
 #include "device/build_buffers.hpp"
 #include "device/launcher.hpp"
+#include "device/parents.hpp"
 
 namespace clbvh::device {
 
@@ -22,10 +23,8 @@ struct OptimizeSettings {
 struct OptimizeJob {
     Launcher& launcher;  ///< Its stage has begun.
     const OptimizeSettings& settings;
-    cl::Buffer nodes;          ///< Node [node_count], at least 6. Slots below 2 * leaf_count without a node are zero.
-    std::uint32_t node_count;  ///< An upper bound of those in use, even.
-    cl::Buffer leaf_count;     ///< uint: at most node_count / 2; may be 0, then node 0 is no node (first 0, count 0).
-    Block scratch;             ///< What the row asked for, aligned for views.
+    TreeNodes tree;  ///< At least 6 nodes, an even number. Where there are no leaves node 0 is no node.
+    Block scratch;   ///< What the row asked for, aligned for views.
 };
 
 /// What makes one device optimiser different from the next. None waits for the device.

@@ -1,6 +1,7 @@
 #include "device/optimize.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/check_field.hpp"
 #include "device/build_settings.hpp"
@@ -8,16 +9,10 @@
 namespace clbvh::device {
 namespace {
 
-// The number of leaves stands before the optimisers' own scratch.
-constexpr std::uint64_t kCountBytes = align_for_views(sizeof(cl_uint));
-
 // Two trees of three leaves may differ.
 constexpr std::uint32_t kLeastNodes = 6;
 
-}  // namespace
-
-OptimizeSettings prepare_optimizers(Session& session, std::span<const ChosenOptimizer> optimizers,
-                                    const DeviceOptimizerOptions& options) {
+OptimizeSettings resolve(Session& session, const DeviceOptimizerOptions& options) {
     check_range("passes", options.passes, 0, 1000);
     BuildOptions build_options;
     build_options.shape = options.shape;
@@ -27,39 +22,36 @@ OptimizeSettings prepare_optimizers(Session& session, std::span<const ChosenOpti
     settings.passes = options.passes;
     settings.stream_group_size = build.stream_group_size;
     settings.groups_to_fill = build.groups_to_fill;
-    for (const ChosenOptimizer& optimizer : optimizers)
-        session.prepare({optimizer.row->programs(settings)});
     return settings;
 }
 
-std::uint64_t optimizer_scratch_bytes(std::span<const ChosenOptimizer> optimizers, const OptimizeSettings& settings,
-                                      std::uint32_t node_count) {
-    std::uint64_t most = 0;
-    if (node_count < kLeastNodes) return kCountBytes;
-    for (const ChosenOptimizer& optimizer : optimizers)
-        most = std::max(most, optimizer.row->scratch_bytes(settings, node_count));
-    return kCountBytes + most;
+}  // namespace
+
+OptimizerChain::OptimizerChain(Session& session, std::vector<ChosenOptimizer> optimizers,
+                               const DeviceOptimizerOptions& options)
+    : optimizers_(std::move(optimizers)), settings_(resolve(session, options)) {
+    for (const ChosenOptimizer& optimizer : optimizers_) {
+        const std::vector<ProgramSpec> programs = optimizer.row->programs(settings_);
+        session.prepare({programs});
+    }
 }
 
-void launch_optimizers(Launcher& launcher, std::span<const ChosenOptimizer> optimizers,
-                       const OptimizeSettings& settings, const OptimizerMemory& memory, double begin) {
-    if (memory.node_count < kLeastNodes) return;
-    const std::uint32_t node_count = memory.node_count / 2 * 2;
-    const OptimizeJob job{launcher,
-                          settings,
-                          view_of(memory.nodes, 0, sizeof(Node) * std::uint64_t{node_count}),
-                          node_count,
-                          view_of(memory.scratch, 0, sizeof(cl_uint)),
-                          {memory.scratch.buffer, memory.scratch.offset + kCountBytes}};
-    for (std::size_t i = 0; i < optimizers.size(); ++i) {
-        const double done = static_cast<double>(i) / static_cast<double>(optimizers.size());
-        launcher.begin_stage(optimizers[i].id, begin + (1.0 - begin) * done);
-        if (i == 0 && memory.leaf_count.buffer() != nullptr) {
-            launcher.copy_uint(memory.leaf_count.buffer, memory.leaf_count.offset, job.leaf_count, 0);
-        } else if (i == 0) {
-            launcher.fill_uints(job.leaf_count, 0, 1, node_count / 2);
-        }
-        optimizers[i].row->launch(job);
+std::uint64_t OptimizerChain::scratch_bytes(std::uint32_t node_count) const {
+    std::uint64_t most = 0;
+    if (node_count < kLeastNodes) return most;
+    for (const ChosenOptimizer& optimizer : optimizers_)
+        most = std::max(most, optimizer.row->scratch_bytes(settings_, node_count / 2 * 2));
+    return most;
+}
+
+void OptimizerChain::launch(Launcher& launcher, const TreeNodes& tree, const Block& scratch, double begin) const {
+    if (tree.node_count < kLeastNodes) return;
+    TreeNodes pairs = tree;
+    pairs.node_count = tree.node_count / 2 * 2;
+    for (std::size_t i = 0; i < optimizers_.size(); ++i) {
+        const double done = static_cast<double>(i) / static_cast<double>(optimizers_.size());
+        launcher.begin_stage(optimizers_[i].id, begin + (1.0 - begin) * done);
+        optimizers_[i].row->launch({launcher, settings_, pairs, scratch});
     }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <span>
 #include <string_view>
+#include <vector>
 
 #include "clbvh/device/device_optimizer.hpp"
 #include "device/device_optimizer_row.hpp"
@@ -14,25 +14,28 @@ struct ChosenOptimizer {
     const DeviceOptimizerRow* row;
 };
 
-/// Takes every automatic choice, and builds the programs of the optimisers. Throws Error(invalid_input) for options out
-/// of range, and what Session::prepare throws.
-[[nodiscard]] OptimizeSettings prepare_optimizers(Session& session, std::span<const ChosenOptimizer> optimizers,
-                                                  const DeviceOptimizerOptions& options);
+/// Optimisers that run one after the other, ready for one device.
+class OptimizerChain {
+public:
+    /// None.
+    OptimizerChain() = default;
+    /// Takes every automatic choice, and builds the programs. Throws Error(invalid_input) for options out of range, and
+    /// what Session::prepare throws.
+    OptimizerChain(Session& session, std::vector<ChosenOptimizer> optimizers, const DeviceOptimizerOptions& options);
 
-/// Scratch of the optimisers, one after the other, for a tree of up to so many nodes.
-[[nodiscard]] std::uint64_t optimizer_scratch_bytes(std::span<const ChosenOptimizer> optimizers,
-                                                    const OptimizeSettings& settings, std::uint32_t node_count);
+    [[nodiscard]] bool empty() const noexcept { return optimizers_.empty(); }
+    [[nodiscard]] const OptimizeSettings& settings() const noexcept { return settings_; }
 
-/// A tree on the device, and room for the optimisers.
-struct OptimizerMemory {
-    Block nodes;
-    std::uint32_t node_count = 0;
-    Block leaf_count;  ///< without a buffer there are node_count / 2; may lie in `scratch`, which is written after it
-    Block scratch;
+    /// Scratch for a tree of up to so many nodes, which the optimisers share; 0 where there is nothing to do.
+    [[nodiscard]] std::uint64_t scratch_bytes(std::uint32_t node_count) const;
+
+    /// Enqueues the optimisers, each as a stage of its id, from `begin` of the whole on. Waits for nothing. `scratch`
+    /// is aligned for views, and may have no buffer where it takes no bytes.
+    void launch(Launcher& launcher, const TreeNodes& tree, const Block& scratch, double begin) const;
+
+private:
+    std::vector<ChosenOptimizer> optimizers_;
+    OptimizeSettings settings_;
 };
-
-/// Enqueues the optimisers, each as a stage of its id, from `begin` of the whole on. Waits for nothing.
-void launch_optimizers(Launcher& launcher, std::span<const ChosenOptimizer> optimizers,
-                       const OptimizeSettings& settings, const OptimizerMemory& memory, double begin);
 
 }  // namespace clbvh::device

@@ -294,6 +294,7 @@ TEST_CASE("build's JSON holds the options that were in force") {
         {"reference_budget", 1.5, {"--budget", "1.5"}},
         {"presplit_level", 14, {"--presplit"}},
         {"optimizers", "rotate", {"--optimize", "rotate"}},
+        {"optimize_on", "device", {"--optimize-on", "device"}},
         {"thread_count", 1, {"--threads", "1"}},
         {"search_radius", 9, {"--radius", "9"}},
         {"shape", "lane", {"--shape", "lane"}},

@@ -52,6 +52,7 @@ TEST_CASE("builders lists the table of optimizers too") {
         CHECK(list[i]["id"] == optimizers()[i].id);
         CHECK(list[i]["title"] == optimizers()[i].title);
         CHECK(list[i]["paper"] == optimizers()[i].paper);
+        CHECK(list[i]["on_device"] == optimizers()[i].on_device);
         CHECK_THAT(table.out,
                    Contains(std::string(optimizers()[i].id)) && Contains(std::string(optimizers()[i].title)));
     }
