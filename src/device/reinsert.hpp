@@ -51,8 +51,8 @@ public:
     [[nodiscard]] const ReinsertViews& views() const noexcept { return v_; }
     [[nodiscard]] const ReinsertSizes& sizes() const noexcept { return sizes_; }
 
-    /// IS_UNDONE and CANDIDATES of kernels/reinsert_state.clh.
-    static constexpr std::size_t kIsUndone = 5, kCandidates = 1;
+    /// CANDIDATES, IS_UNDONE and PART of kernels/reinsert_state.clh.
+    static constexpr std::size_t kCandidates = 1, kIsUndone = 5, kPart = 6;
 
 private:
     [[nodiscard]] const cl::Buffer& nodes() const { return job_.tree.nodes; }
