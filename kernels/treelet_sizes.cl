@@ -1,5 +1,8 @@
 // How many leaves are below each node of a finished tree, and which of its subtrees can be restructured at once.
 //
+// clear_words
+//   out    words [count], zeros
+//   launch a group for SLOTS_PER_GROUP words
 // count_leaves
 //   in     nodes [node_count] (tree_nodes.clh), parents [node_count / 2] (parents.cl)
 //   inout  sizes [node_count / 2], zero before: of the sibling pair p, the leaves below its two nodes
@@ -14,6 +17,13 @@
 #include "node.clh"
 #include "tree_nodes.clh"
 #include "treelet_walk.clh"
+
+KERNEL void clear_words(global uint* words, uint count) {
+    const size_t begin = get_group_id(0) * (size_t)SLOTS_PER_GROUP;
+    FOR_WORK_ITEMS(k, begin, min(begin + SLOTS_PER_GROUP, (size_t)count)) {
+        words[k] = 0;
+    }
+}
 
 // Adds `size`, the leaves below the node `slot`, to those of its pair, and where the sibling's were there already, goes
 // on with the parent.

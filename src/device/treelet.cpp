@@ -60,7 +60,7 @@ public:
 
     void run() {
         launch_parents(job_.launcher, job_.settings.stream_group_size, job_.tree, parents_);
-        job_.launcher.clear_uints(sizes_, 0, plan_.pairs);
+        clear(sizes_, job_.tree.node_count / 2);
         launch_over_slots("count_leaves", parents_, sizes_);
         const std::uint32_t passes = job_.settings.passes != 0 ? job_.settings.passes : kPasses;
         std::uint64_t least_size = kLeaves;
@@ -77,8 +77,13 @@ private:
                        slot_groups(job_.tree.node_count), job_.tree, arguments...);
     }
 
+    void clear(const cl::Buffer& words, std::uint32_t count) {
+        job_.launcher.launch(job_.launcher.session().kernel(sizes_program(job_.settings), "clear_words"),
+                             slot_groups(count), words, count);
+    }
+
     void restructure(std::uint32_t least_size) {
-        job_.launcher.clear_uints(counts_, 0, kLevels);
+        clear(counts_, kLevels);
         launch_over_slots("list_subtrees", sizes_, least_size, lists_, counts_);
         const auto last_level = static_cast<std::uint32_t>(std::bit_width(plan_.pairs >> kSubtreeBits));
         for (std::uint32_t level = 0; level <= last_level; ++level) {
