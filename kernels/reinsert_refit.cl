@@ -70,7 +70,14 @@ typedef struct {
     float scale;
 } Refit;
 
-#if LANE_SHAPE
+// Boxes pass from group to group within the launch: word by word through atomics (between_groups.clh). On CPUs, which the
+// lane shape is for, whole vectors do, between the fences around the counter, and are several times as fast; Oclgrind
+// takes them for races, and is told not to.
+#ifndef SHARES_BY_ATOMICS
+#define SHARES_BY_ATOMICS !LANE_SHAPE
+#endif
+
+#if !(SHARES_BY_ATOMICS)
 static inline float8 load_shared(global float* nodes, size_t slot) {
     return vload8(slot, nodes);
 }

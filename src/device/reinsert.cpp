@@ -1,6 +1,8 @@
 // Meister, Bittner 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization".
 #include "device/reinsert.hpp"
 
+#include <algorithm>
+
 namespace clbvh::device {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr std::uint32_t kCandidatesDivisor = 10;  // MOST_PART of kernels/reinse
 // Work groups of a launch over candidates, as multiples of those that fill the device: searches differ in work.
 constexpr std::uint32_t kLaneGroups = 16;
 constexpr std::uint32_t kGroups = 4;
+constexpr std::uint64_t kLeastShare = 16;  // candidates that make a group worth its launch
 
 constexpr std::string_view kChoose = "reinsert_choose.cl";
 constexpr std::string_view kMoves = "reinsert.cl";
@@ -49,7 +52,8 @@ void launch(const OptimizeJob& job) {
 ReinsertSizes::ReinsertSizes(const OptimizeSettings& settings, std::uint32_t node_count)
     : nodes(node_count),
       candidates(node_count / kCandidatesDivisor + 1),
-      groups(std::uint64_t{settings.groups_to_fill} * (settings.lane() ? kLaneGroups : kGroups)),
+      groups(std::min(std::uint64_t{settings.groups_to_fill} * (settings.lane() ? kLaneGroups : kGroups),
+                      candidates / kLeastShare + 1)),
       blocks((nodes + kSlotsPerGroup - 1) / kSlotsPerGroup) {}
 
 ReinsertViews::ReinsertViews(const ReinsertSizes& sizes, const Block& scratch) : scratch_(scratch) {
