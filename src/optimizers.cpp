@@ -33,7 +33,8 @@ const OptimizerRow kRows[] = {
       "Meister, Bittner 2018"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
          return reinsert(std::move(tree), within<ReinsertConfig>(budget), &stats);
-     }},
+     },
+     &device::kReinsert},
     {{"reinsert-batches", "The same, one subtree after the other, the worst nodes first",
       "Bittner, Hapala, Havran 2013"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {

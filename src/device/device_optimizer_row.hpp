@@ -34,6 +34,7 @@ struct DeviceOptimizerRow {
     void (*launch)(const OptimizeJob& job);
 };
 
+extern const DeviceOptimizerRow kReinsert;
 extern const DeviceOptimizerRow kTreelet;
 
 }  // namespace clbvh::device

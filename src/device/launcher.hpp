@@ -29,9 +29,9 @@ public:
     /// Reports progress within the stage; throws as begin_stage does.
     void report(double fraction);
 
-    /// Enqueues `groups` work groups of `kernel` with `arguments` (buffers and integers) in order.
+    /// Enqueues `groups` work groups of `kernel` with `arguments` (buffers, integers and floats) in order.
     template <class... Arguments>
-    requires((std::same_as<Arguments, cl::Buffer> ||
+    requires((std::same_as<Arguments, cl::Buffer> || std::same_as<Arguments, float> ||
               std::integral<Arguments>)&&...) void launch(Kernel& kernel, std::size_t groups,
                                                           const Arguments&... arguments) {
         cl_uint index = 0;
