@@ -7,6 +7,7 @@
 
 #include "clbvh/core/rotation.hpp"
 #include "clbvh/core/validate.hpp"
+#include "clbvh/device/device_optimizer.hpp"
 #include "clbvh/device/device_tracer.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/epo.hpp"
@@ -136,6 +137,21 @@ TEST_CASE("rays on the device through the mesh kitchen_obvhs") {
 }
 TEST_CASE("rays on the device through the mesh living_room") {
     expect_same_hits("living_room");
+}
+
+TEST_CASE("treelets on the device over real meshes are as good as the host's") {
+    for (const char* name : {"bunny", "kitchen_obvhs", "living_room"}) {
+        const std::optional<Mesh> mesh = load_scene_mesh(name);
+        if (!mesh) return;
+        for (const char* id : {"lbvh", "hploc", "binned-sah"}) {
+            INFO(name << ", " << id);
+            const Bvh bvh = make_builder(id).build(*mesh);
+            const Bvh better = DeviceOptimizer("treelet", shared_context()).optimize(bvh);
+            CHECK(validate(better, *mesh).error == "");
+            CHECK(sah_cost(better) < sah_cost(bvh));
+            CHECK(sah_cost(better) == Approx(sah_cost(optimize(bvh, "treelet"))).epsilon(0.001));
+        }
+    }
 }
 
 TEST_CASE("end-point overlap of real meshes, exact and from samples") {

@@ -112,6 +112,7 @@ ordered_json options_json(const BuildOptions& options) {
         {"split_quota", shortest(options.split_quota)},
         {"optimizers", options.optimizers},
         {"optimize_passes", options.optimize_passes},
+        {"optimize_on", to_string(options.optimize_on)},
         {"thread_count", options.thread_count},
         {"search_radius", options.search_radius},
         {"shape", to_string(options.shape)},
