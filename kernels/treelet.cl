@@ -5,9 +5,8 @@
 //
 // restructure    restructures the treelets of all nodes of one level of size (treelet_walk.clh), children before
 // parents
-//   in     parents [node_count / 2] (parents.cl), lists, list_counts [LEVELS] (treelet_sizes.cl); least_size as there,
-//          at least TREELET_LEAVES
-//   inout  nodes [node_count], sizes [node_count / 2]; parents are not, and so no longer right for what was walked
+//   in     lists, list_counts [LEVELS] (treelet_sizes.cl); least_size as there, at least TREELET_LEAVES
+//   inout  nodes [node_count], parents [node_count / 2] (parents.cl), sizes [node_count / 2] (treelet_sizes.cl)
 //   launch group shape: any number of groups, each takes subtrees in turn and a treelet at a time (treelet_group.clh).
 //          lane shape: any number of work items, each takes a part of the list, 16 treelets at a time
 //          (treelet_lane.clh).
@@ -16,7 +15,6 @@
 #include "work_group.clh"
 #include "aabb.clh"
 #include "node.clh"
-#include "lanes.clh"
 #include "tree_nodes.clh"
 #include "treelet_walk.clh"
 
@@ -42,26 +40,35 @@ static inline float area_to_take_apart(float8 node) {
 
 #define LOWEST_LEAF(subset) (31 - clz((subset) & -(subset)))
 
+// The arrays that restructuring keeps right.
+typedef struct {
+    global float* nodes;
+    global uint* parents;
+    global uint* sizes;
+} Tree;
+
 // Writes the root of the best tree over `subset`, some of the treelet's `leaves`, to `slot`: that leaf, or an inner
 // node with children at `first`.
-static inline void write_node(global float* nodes, global uint* sizes, local const float8* leaves, uint slot,
-                              uint subset, uint first) {
-    float8 lower = leaves[LOWEST_LEAF(subset)];
+static inline void write_node(Tree tree, local const float8* leaves, uint slot, uint subset, uint first) {
+    const float8 lowest = leaves[LOWEST_LEAF(subset)];
     if (HAS_ONE_LEAF(subset)) {
-        vstore8(lower, slot, nodes);
+        vstore8(lowest, slot, tree.nodes);
+        const uint below = as_uint(lowest.s3);
+        if (is_inner(below, as_uint(lowest.s7))) tree.parents[below / 2] = slot;
         return;
     }
-    float8 upper = lower;
+    float8 lower = lowest, upper = lowest;
     uint size = 0;
     for (uint rest = subset; rest != 0; rest &= rest - 1) {
         const float8 leaf = leaves[LOWEST_LEAF(rest)];
         lower = MIN_OF(lower, leaf);
         upper = MAX_OF(upper, leaf);
         const uint below = as_uint(leaf.s3);
-        size += is_inner(below, as_uint(leaf.s7)) ? sizes[below / 2] : 1;
+        size += is_inner(below, as_uint(leaf.s7)) ? tree.sizes[below / 2] : 1;
     }
-    vstore8((float8)(lower.s012, as_float(first), upper.s456, as_float(0u)), slot, nodes);
-    sizes[first / 2] = size;
+    vstore8((float8)(lower.s012, as_float(first), upper.s456, as_float(0u)), slot, tree.nodes);
+    tree.parents[first / 2] = slot;
+    tree.sizes[first / 2] = size;
 }
 
 #if LANE_SHAPE

@@ -12,6 +12,7 @@
 #include "clbvh/metrics/epo.hpp"
 #include "clbvh/metrics/sah.hpp"
 #include "clbvh/optimize/reinsert.hpp"
+#include "clbvh/optimizers.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "support/builders.hpp"
 #include "support/ray_oracle.hpp"
@@ -141,6 +142,21 @@ TEST_CASE("rays on the device through the mesh living_room") {
 TEST_CASE("reinsertion on the device in real meshes") {
     for (const char* const name : {"kitchen_obvhs", "living_room", "staircase"})
         expect_good_reinsertion(name);
+}
+
+TEST_CASE("treelets on the device over real meshes are as good as the host's") {
+    for (const char* name : {"bunny", "kitchen_obvhs", "living_room"}) {
+        const std::optional<Mesh> mesh = load_scene_mesh(name);
+        if (!mesh) return;
+        for (const char* id : {"lbvh", "hploc", "binned-sah"}) {
+            INFO(name << ", " << id);
+            const Bvh bvh = make_builder(id).build(*mesh);
+            const Bvh better = DeviceOptimizer("treelet", shared_context()).optimize(bvh);
+            CHECK(validate(better, *mesh).error == "");
+            CHECK(sah_cost(better) < sah_cost(bvh));
+            CHECK(sah_cost(better) == Approx(sah_cost(optimize(bvh, "treelet"))).epsilon(0.001));
+        }
+    }
 }
 
 TEST_CASE("end-point overlap of real meshes, exact and from samples") {

@@ -12,6 +12,7 @@ constexpr std::uint32_t kPasses = 3;
 constexpr std::uint32_t kLeaves = 7;       // TREELET_LEAVES of treelet.cl
 constexpr std::uint32_t kSubtreeBits = 8;  // SUBTREE_BITS of treelet_walk.clh
 constexpr std::uint32_t kLevels = 33 - kSubtreeBits;
+// Small groups wait little: a treelet has much that only a few work items can do.
 constexpr std::size_t kGroupSize = 32;
 // Work groups of a launch, as multiples of those that fill the device: subtrees differ in work.
 constexpr std::uint32_t kLaneGroups = 4;
@@ -23,7 +24,7 @@ ProgramSpec sizes_program(const OptimizeSettings& settings) {
 }
 
 ProgramSpec search_program(const OptimizeSettings& settings) {
-    return {"treelet.cl", settings.lane() ? 1 : kGroupSize, ""};
+    return {"treelet.cl", std::min(settings.stream_group_size, kGroupSize), ""};
 }
 
 std::vector<ProgramSpec> programs(const OptimizeSettings& settings) {
@@ -64,10 +65,8 @@ public:
         launch_over_slots("count_leaves", parents_, sizes_);
         const std::uint32_t passes = job_.settings.passes != 0 ? job_.settings.passes : kPasses;
         std::uint64_t least_size = kLeaves;
-        for (std::uint32_t pass = 0; pass < passes && least_size <= plan_.pairs; ++pass, least_size *= 2) {
-            if (pass > 0) launch_parents(job_.launcher, job_.settings.stream_group_size, job_.tree, parents_);
+        for (std::uint32_t pass = 0; pass < passes && least_size <= plan_.pairs; ++pass, least_size *= 2)
             restructure(static_cast<std::uint32_t>(least_size));
-        }
     }
 
 private:
