@@ -12,6 +12,7 @@
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/epo.hpp"
 #include "clbvh/metrics/sah.hpp"
+#include "clbvh/optimize/reinsert.hpp"
 #include "clbvh/optimizers.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "support/builders.hpp"
@@ -117,6 +118,19 @@ void expect_same_hits(const std::string& name) {
     }
 }
 
+/// Reinsertion on the device, where the tree comes out nearly as good as on the host.
+void expect_good_reinsertion(const std::string& name) {
+    const std::optional<Mesh> mesh = load_scene_mesh(name);
+    if (!mesh) return;
+    for (const char* const builder : {"lbvh", "plocpp"}) {
+        INFO(name << ", " << builder);
+        const Bvh tree = make_builder(builder).build(*mesh);
+        const Bvh better = DeviceOptimizer("reinsert", shared_context()).optimize(tree);
+        CHECK(validate(better, *mesh).error == "");
+        CHECK(sah_cost(better) <= 1.02 * sah_cost(reinsert(tree)));
+    }
+}
+
 }  // namespace
 
 TEST_CASE("builders on the mesh bunny") {
@@ -137,6 +151,11 @@ TEST_CASE("rays on the device through the mesh kitchen_obvhs") {
 }
 TEST_CASE("rays on the device through the mesh living_room") {
     expect_same_hits("living_room");
+}
+
+TEST_CASE("reinsertion on the device in real meshes") {
+    for (const char* const name : {"kitchen_obvhs", "living_room", "staircase"})
+        expect_good_reinsertion(name);
 }
 
 TEST_CASE("treelets on the device over real meshes are as good as the host's") {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
+#include <functional>
+#include <iterator>
 #include <set>
 
 #include "clbvh/core/validate.hpp"
@@ -13,7 +15,6 @@
 #include "clbvh/optimize/refit.hpp"
 #include "clbvh/optimize/reinsert.hpp"
 #include "device/stage_bench.hpp"
-#include "optimize/candidates.hpp"
 #include "optimize/reinsertion.hpp"
 #include "support/builders.hpp"
 #include "support/hard_trees.hpp"
@@ -119,7 +120,42 @@ Bvh with_nodes(const Bvh& tree, const std::vector<Node>& nodes) {
     return other;
 }
 
-std::vector<std::uint32_t> sorted_slots(const std::vector<Found>& found) {
+/// Leading bits of the difference between the areas of parent and node, 0 where the node may not move; of all slots.
+std::vector<std::uint32_t> ranks_of(const optimizer::EditTree& tree) {
+    std::vector<std::uint32_t> ranks(tree.slot_count(), 0);
+    for (std::uint32_t slot = 2; slot < tree.slot_count(); ++slot) {
+        const std::uint32_t parent = tree.parent(slot);
+        if (parent == optimizer::EditTree::kUnused || parent == 0) continue;
+        const float difference = tree.box(parent).half_area() - tree.box(slot).half_area();
+        ranks[slot] = 1 + (std::bit_cast<std::uint32_t>(std::max(difference, 0.0f)) >> 20);
+    }
+    return ranks;
+}
+
+/// The highest ranks, so many that they are kPart of the nodes that may move; of the lowest of them evenly.
+std::vector<std::uint32_t> expected_candidates(const std::vector<std::uint32_t>& ranks) {
+    std::vector<std::uint32_t> movable;
+    std::ranges::copy_if(ranks, std::back_inserter(movable), [](std::uint32_t rank) { return rank > 0; });
+    std::ranges::sort(movable, std::greater<>());
+    const auto wanted = static_cast<std::size_t>(kPart * static_cast<float>(movable.size()));
+    const std::uint32_t lowest = movable[wanted - 1];
+    const auto count = static_cast<std::size_t>(std::ranges::count(movable, lowest));
+    const auto quota = wanted - static_cast<std::size_t>(
+                                    std::ranges::count_if(movable, [&](std::uint32_t rank) { return rank > lowest; }));
+    std::vector<std::uint32_t> chosen;
+    std::size_t met = 0;
+    for (std::uint32_t slot = 0; slot < ranks.size(); ++slot) {
+        bool is_chosen = ranks[slot] > lowest;
+        if (ranks[slot] == lowest) {
+            is_chosen = (met + 1) * quota / count > met * quota / count;
+            ++met;
+        }
+        if (is_chosen) chosen.push_back(slot);
+    }
+    return chosen;
+}
+
+std::vector<std::uint32_t> slots_of(const std::vector<Found>& found) {
     std::vector<std::uint32_t> slots;
     for (const Found& one : found)
         slots.push_back(one.from);
@@ -144,12 +180,11 @@ std::vector<std::pair<Bvh, Mesh>> some_trees() {
 
 }  // namespace
 
-TEST_CASE("reinsert on devices: candidates, places and gains are the host's") {
+TEST_CASE("reinsert on devices: candidates are those of the largest differences, places and gains the host's") {
     for (auto& [tree, mesh] : some_trees()) {
         Bvh copy = tree;
         const optimizer::EditTree edit(copy.nodes);
-        optimizer::Candidates candidates;
-        const auto chosen = candidates.choose(edit, double{kPart});
+        const std::vector<std::uint32_t> ranks = ranks_of(edit);
         optimizer::ReinsertionSearch search(edit);
         for (const Shape shape : kBothShapes) {
             INFO(to_string(shape) << ", " << tree.nodes.size() << " nodes");
@@ -157,7 +192,7 @@ TEST_CASE("reinsert on devices: candidates, places and gains are the host's") {
             CHECK(static_cast<double>(steps.area()) * optimizer::exact_half_area(tree.nodes[0]) / 2147483648.0 ==
                   Approx(inner_area(tree)).epsilon(1e-5));
             steps.passes.choose();
-            CHECK(sorted_slots(steps.found()) == std::vector<std::uint32_t>(chosen.begin(), chosen.end()));
+            CHECK((slots_of(steps.found()) == expected_candidates(ranks)));
             steps.passes.search();
             std::size_t gains = 0;
             for (const Found& found : steps.found()) {
