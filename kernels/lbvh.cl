@@ -16,6 +16,7 @@
 #include "aabb.clh"
 #include "node.clh"
 #include "morton_split.clh"
+#include "between_groups.clh"
 
 #if LANE_SHAPE
 
@@ -123,29 +124,10 @@ KERNEL void prepare(global const uint* leaf_count_in, global uint* reached, glob
     }
 }
 
-// What one work item tells another of a different group goes through atomics on every word: OpenCL 1.2 promises nothing
-// of plain stores and loads between groups within a launch. The fence orders them before the exchange that announces
-// them.
 static inline void publish_node(global uint* node, Box box, uint reference, uint leaf_count) {
-    atomic_xchg(node + 0, as_uint(box.lower_x));
-    atomic_xchg(node + 1, as_uint(box.lower_y));
-    atomic_xchg(node + 2, as_uint(box.lower_z));
-    atomic_xchg(node + 4, as_uint(box.upper_x));
-    atomic_xchg(node + 5, as_uint(box.upper_y));
-    atomic_xchg(node + 6, as_uint(box.upper_z));
+    publish_box(node, box);
     node[3] = node_first(reference, leaf_count);
     node[7] = node_count(reference, leaf_count);
-}
-
-// A maximum with 0 leaves every word as it is; measured on PoCL, an or with 0 makes the whole climb a third slower.
-static inline float observe(global uint* word) {
-    return as_float(atomic_max(word, 0u));
-}
-
-static inline Box observe_box(global uint* node) {
-    Box box = {observe(node + 0), observe(node + 1), observe(node + 2),
-               observe(node + 4), observe(node + 5), observe(node + 6)};
-    return box;
 }
 
 KERNEL void climb(global const ulong* codes, global const uint* primitive_ids, global const float* boxes,

@@ -24,6 +24,11 @@ using device::Session;
 
 device::BuildSettings resolve_batch_settings(const BuildOptions& options, Session& session) {
     device::check_device_options("BatchBuilder", options);
+    if (!options.optimizers.empty()) {
+        throw Error(ErrorCode::unsupported,
+                    "optimizers work on one tree at a time, which BatchBuilder leaves out; use DeviceBuilder, or leave "
+                    "them alone");
+    }
     const device::BuildSettings settings = device::resolve_settings(options, session);
     if (settings.morton_code != MortonCode::xyz || !settings.packed_keys()) {
         throw Error(ErrorCode::unsupported,

@@ -8,6 +8,7 @@
 
 #include "backend.hpp"
 #include "clbvh/core/error.hpp"
+#include "clbvh/optimizers.hpp"
 #include "clbvh/presets.hpp"
 #include "core/memory_errors.hpp"
 #include "finish_stage.hpp"
@@ -17,10 +18,22 @@
 namespace clbvh {
 namespace {
 
+void check_for(const BuilderInfo& info, const BuildOptions& options) {
+    check_options(options);
+    check_optimizers(options.optimizers);
+    if (options.optimize_on == OptimizeOn::host || options.optimizers.empty()) return;
+    if (info.kind == BuilderKind::host) {
+        throw Error(ErrorCode::unsupported, "optimize_on device: " + std::string(info.id) +
+                                                " builds its trees on the host; let the host optimize them, or take a "
+                                                "device builder");
+    }
+    static_cast<void>(find_device_optimizers(options.optimizers));
+}
+
 // What needs no device is checked before one is opened.
 std::optional<Context> open_context_for(std::string_view builder_id, const BuildOptions& options) {
     const BuilderInfo& info = find_builder(builder_id);
-    check_options(with_split_of_optimizers(options));
+    check_for(info, with_split_of_optimizers(with_preset(builder_id, options)));
     if (info.kind == BuilderKind::host) return std::nullopt;
     return Context::open();
 }
@@ -39,7 +52,7 @@ bool needs_splitting(const BuildOptions& options) {
 
 /// True where there is work behind the builder.
 bool needs_finish(const BuildOptions& options) {
-    return needs_splitting(options) || options.max_leaf_size > 0 || !options.optimizers.empty();
+    return needs_splitting(options) || options.max_leaf_size > 0 || optimizes_on_host(options);
 }
 
 /// The builder's part of a build that has stages before and behind it.
@@ -68,7 +81,7 @@ struct Builder::State {
           id(find_preset(builder_id) != nullptr ? find_preset(builder_id)->id : row.info.id),
           context(std::move(chosen_context)),
           options(with_split_of_optimizers(with_preset(builder_id, chosen_options))) {
-        check_options(options);
+        check_for(row.info, options);
         backend_options = options_of_builder(options);
         arena.initialize(arena_size(options.thread_count));
         if (row.info.kind == BuilderKind::host) {

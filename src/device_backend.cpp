@@ -1,6 +1,7 @@
 #include "backend.hpp"
 #include "device/pipeline.hpp"
 #include "device/session.hpp"
+#include "optimizer_rows.hpp"
 
 namespace clbvh {
 namespace {
@@ -23,7 +24,11 @@ public:
         : algorithm_(*row.device_algorithm),
           options_(options),
           context_(context),
-          settings_(device::prepare_pipeline(context_.session(), algorithm_, options)) {}
+          settings_(device::prepare_pipeline(context_.session(), algorithm_, options)) {
+        if (options.optimize_on == OptimizeOn::device) {
+            end_.optimizers = make_optimizer_chain(context_.session(), options);
+        }
+    }
 
     void upload(const Mesh& mesh, std::uint64_t active_count) override {
         device::Session& session = context_.session();
@@ -43,7 +48,7 @@ public:
     }
 
     BuildStats run() override {
-        return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, memory_);
+        return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, memory_, end_);
     }
 
     void upload_parts(const Mesh& boxes, const Mesh&) override { upload(boxes, boxes.triangles.size()); }
@@ -84,6 +89,7 @@ private:
     Context context_;
     device::BuildSettings settings_;
     device::OwnMemory memory_;
+    device::PipelineEnd end_;
     device::DeviceMesh mesh_;
     Bvh downloaded_;
 };

@@ -8,6 +8,7 @@
 #include "clbvh/presets.hpp"
 #include "device/caller_input.hpp"
 #include "device/pipeline.hpp"
+#include "optimizer_rows.hpp"
 #include "registry_rows.hpp"
 
 namespace clbvh {
@@ -23,6 +24,7 @@ const BuilderRow& device_row(std::string_view id, const BuildOptions& options) {
         throw Error(ErrorCode::unsupported, std::string(id) + " runs on the host; DeviceBuilder takes device builders");
     }
     device::check_device_options("DeviceBuilder", options);
+    static_cast<void>(find_device_optimizers(options.optimizers));
     return row;
 }
 
@@ -34,6 +36,7 @@ struct DeviceBuilder::State {
           row(device_row(builder_id, options)),
           context(std::move(chosen_context)),
           settings(device::prepare_pipeline(context.session(), *row.device_algorithm, options)),
+          optimizers(make_optimizer_chain(context.session(), options)),
           alignment(device::view_alignment(context.session())) {}
 
     [[nodiscard]] device::MemoryPlan plan(std::uint32_t primitives) const {
@@ -42,7 +45,15 @@ struct DeviceBuilder::State {
     [[nodiscard]] DeviceBuildSizes sizes(std::uint32_t primitives) const {
         if (primitives == 0) return {};
         const device::MemoryPlan planned = plan(primitives);
-        return {planned.nodes, planned.primitive_ids, planned.scratch_bytes()};
+        return {planned.nodes, planned.primitive_ids,
+                count_bytes() + std::max(planned.scratch_bytes(), optimizers.scratch_bytes(2 * primitives))};
+    }
+    /// At the beginning of the scratch: the number of leaves, for optimisers, whose scratch is the builder's again.
+    [[nodiscard]] std::uint64_t count_bytes() const {
+        return optimizers.empty() ? 0 : device::align_for_views(sizeof(cl_uint));
+    }
+    [[nodiscard]] device::Block behind_count(const device::Block& scratch) const {
+        return {scratch.buffer, scratch.offset + count_bytes()};
     }
     [[nodiscard]] bool fits(std::uint32_t primitives) const {
         const DeviceBuildSizes needed = sizes(primitives);
@@ -50,11 +61,13 @@ struct DeviceBuilder::State {
     }
     [[nodiscard]] std::uint32_t most_primitives() const;
     device::CallerBuild check(const DeviceInput& input, const DeviceSpan& scratch, const DeviceResult& result) const;
+    void launch_optimizers(device::Launcher& launcher, const device::CallerBuild& build) const;
 
     BuildOptions options;
     const BuilderRow& row;
     Context context;
     device::BuildSettings settings;
+    device::OptimizerChain optimizers;
     std::uint64_t alignment;
 };
 
@@ -92,8 +105,17 @@ device::CallerBuild DeviceBuilder::State::check(const DeviceInput& input, const 
         device::check_not_cut(memory, {nodes, ids, rest});
     build.mesh = checked.mesh;
     build.plan = plan(count);
-    build.memory = device::cut_scratch(nodes.place, ids.place, rest.place, build.plan);
+    if (!optimizers.empty()) build.kept_count = rest.place;
+    build.memory = device::cut_scratch(nodes.place, ids.place, behind_count(rest.place), build.plan);
     return build;
+}
+
+void DeviceBuilder::State::launch_optimizers(device::Launcher& launcher, const device::CallerBuild& build) const {
+    if (optimizers.empty() || build.mesh.primitive_count == 0) return;
+    const device::TreeNodes tree{device::view_of(build.memory.nodes, 0, build.plan.nodes),
+                                 2 * build.mesh.primitive_count,
+                                 {device::view_of(build.kept_count, 0, sizeof(cl_uint))}};
+    optimizers.launch(launcher, tree, behind_count(build.kept_count), 0.95);
 }
 
 DeviceBuilder::DeviceBuilder(std::string_view builder_id, Context context, const BuildOptions& options)
@@ -132,6 +154,7 @@ void DeviceBuilder::enqueue(cl_command_queue queue, const DeviceInput& input, co
         const device::CallerBuild build = state.check(input, scratch, result);
         device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
         device::enqueue_pipeline(launcher, *state.row.device_algorithm, state.settings, build);
+        state.launch_optimizers(launcher, build);
         launcher.hand_over_end(event);
     });
 }

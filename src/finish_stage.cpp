@@ -59,7 +59,7 @@ void FinishStage::run(Backend& backend, const Input& input, double begin, BuildS
     const double middle = 0.5 * (begin + 1.0);
     if (backend.is_remote()) stages.begin("download", begin, middle);
     Bvh& tree = backend.tree();
-    optimize(tree, stages, middle);
+    if (optimizes_on_host(options_)) optimize(tree, stages, middle);
     stages.begin("collapse", 0.95, 1.0);
     if (input.is_presplit) {
         name_sources(tree, input.sources);

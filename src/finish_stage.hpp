@@ -12,6 +12,11 @@
 
 namespace clbvh {
 
+/// True where the host has optimisers to run.
+[[nodiscard]] inline bool optimizes_on_host(const BuildOptions& options) noexcept {
+    return !options.optimizers.empty() && options.optimize_on == OptimizeOn::host;
+}
+
 /// The stage behind any builder: leaves name the triangles that parts come from, optimisers improve the tree, and
 /// leaves are merged where that pays.
 class FinishStage {

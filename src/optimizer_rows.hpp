@@ -1,10 +1,12 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/optimize/budget.hpp"
+#include "device/optimize.hpp"
 
 namespace clbvh {
 
@@ -15,5 +17,12 @@ namespace clbvh {
 /// The options with a quota of splits where one of their optimizers asks for it and they have none. Throws what
 /// check_optimizers throws, and Error(invalid_input) where triangles would be split by presplit_level instead.
 [[nodiscard]] BuildOptions with_split_of_optimizers(BuildOptions options);
+
+/// The optimisers of `ids`, ids with commas between them, as they run on devices. Throws what check_optimizers throws,
+/// and Error(unsupported) naming the first that runs on the host only.
+[[nodiscard]] std::vector<device::ChosenOptimizer> find_device_optimizers(std::string_view ids);
+
+/// Those of `options`, in its shape. Throws what find_device_optimizers and OptimizerChain throw.
+[[nodiscard]] device::OptimizerChain make_optimizer_chain(device::Session& session, const BuildOptions& options);
 
 }  // namespace clbvh

@@ -18,6 +18,7 @@ namespace {
 struct OptimizerRow {
     OptimizerInfo info;
     Bvh (*run)(Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats);
+    const device::DeviceOptimizerRow* device_row = nullptr;  // on_device is whether there is one
 };
 
 template <typename Config>
@@ -33,7 +34,8 @@ const OptimizerRow kRows[] = {
       "Meister, Bittner 2018"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
          return reinsert(std::move(tree), within<ReinsertConfig>(budget), &stats);
-     }},
+     },
+     &device::kReinsert},
     {{"reinsert-batches", "The same, one subtree after the other, the worst nodes first",
       "Bittner, Hapala, Havran 2013"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
@@ -42,7 +44,8 @@ const OptimizerRow kRows[] = {
     {{"treelet", "Treelets of 7 leaves become the best trees over these leaves", "Karras, Aila 2013"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
          return restructure_treelets(std::move(tree), within<TreeletConfig>(budget), &stats);
-     }},
+     },
+     &device::kTreelet},
     {{"treelet-split", "The same, after the triangles that have most to gain were split: a quota of 30 % more",
       "Karras, Aila 2013", true},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
@@ -100,14 +103,17 @@ std::vector<const OptimizerRow*> find_rows(std::string_view ids) {
 std::span<const OptimizerInfo> optimizers() noexcept {
     static const std::vector<OptimizerInfo> infos = [] {
         std::vector<OptimizerInfo> list;
-        std::ranges::transform(kRows, std::back_inserter(list), &OptimizerRow::info);
+        for (const OptimizerRow& row : kRows) {
+            list.push_back(row.info);
+            list.back().on_device = row.device_row != nullptr;
+        }
         return list;
     }();
     return infos;
 }
 
 const OptimizerInfo& find_optimizer(std::string_view id) {
-    return find_row(id).info;
+    return optimizers()[static_cast<std::size_t>(&find_row(id) - kRows)];
 }
 
 Bvh run_optimizer(Bvh tree, std::string_view id, const OptimizeBudget& budget, OptimizeStats* stats) {
@@ -130,6 +136,26 @@ BuildOptions with_split_of_optimizers(BuildOptions options) {
 
 void check_optimizers(std::string_view ids) {
     static_cast<void>(find_rows(ids));
+}
+
+std::vector<device::ChosenOptimizer> find_device_optimizers(std::string_view ids) {
+    std::vector<device::ChosenOptimizer> chosen;
+    for (const OptimizerRow* row : find_rows(ids)) {
+        if (row->device_row == nullptr) {
+            throw Error(ErrorCode::unsupported, "the optimizer " + std::string(row->info.id) +
+                                                    " runs on the host only; take another, or let the host optimize");
+        }
+        chosen.push_back({row->info.id, row->device_row});
+    }
+    return chosen;
+}
+
+device::OptimizerChain make_optimizer_chain(device::Session& session, const BuildOptions& options) {
+    if (options.optimizers.empty()) return {};
+    DeviceOptimizerOptions device_options;
+    device_options.shape = options.shape;
+    device_options.passes = options.optimize_passes;
+    return {session, find_device_optimizers(options.optimizers), device_options};
 }
 
 Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget, OptimizeStats* stats) {

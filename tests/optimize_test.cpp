@@ -4,7 +4,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -16,6 +15,7 @@
 #include "support/box_sets.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
+#include "support/hard_trees.hpp"
 #include "support/meshes.hpp"
 
 using namespace clbvh;
@@ -37,28 +37,6 @@ std::vector<OptimizerInfo> tree_optimizers() {
     return list;
 }
 
-/// Ids and corners of all leaves, in order.
-using Leaf = std::pair<std::vector<std::uint32_t>, std::array<float, 6>>;
-std::vector<Leaf> leaves_of(const Bvh& tree) {
-    std::vector<Leaf> leaves;
-    std::vector<std::uint32_t> stack;
-    if (!tree.empty()) stack.push_back(0);
-    while (!stack.empty()) {
-        const Node node = tree.nodes[stack.back()];
-        stack.pop_back();
-        if (node.is_leaf()) {
-            const auto begin = tree.primitive_ids.begin() + node.first;
-            leaves.push_back(
-                {std::vector<std::uint32_t>(begin, begin + node.count),
-                 {node.lower[0], node.lower[1], node.lower[2], node.upper[0], node.upper[1], node.upper[2]}});
-        } else {
-            stack.insert(stack.end(), {node.first, node.first + 1});
-        }
-    }
-    std::ranges::sort(leaves);
-    return leaves;
-}
-
 bool is_no_dearer(double cost, double than) {
     return cost <= than * (1.0 + 1e-12);
 }
@@ -76,39 +54,6 @@ bool expect_improved(std::string_view id, const Bvh& tree, const Mesh& mesh, con
     const bool same_leaves = leaves_of(better) == leaves_of(tree);
     CHECK(same_leaves);
     return report.valid && same_leaves && is_no_dearer(sah_cost(better), sah_cost(tree));
-}
-
-/// A tree whose inner nodes form a chain: node k has triangle k on one side and all that follow on the other.
-Bvh chain(const Mesh& mesh) {
-    const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
-    Bvh tree;
-    tree.primitive_count = count;
-    tree.nodes.resize(2 * std::size_t{count});
-    for (std::uint32_t i = 0; i < count; ++i)
-        tree.primitive_ids.push_back(i);
-    const auto set = [&](std::uint32_t slot, const Aabb& box, std::uint32_t first, std::uint32_t primitives) {
-        tree.nodes[slot] = {
-            {box.lower.x, box.lower.y, box.lower.z}, first, {box.upper.x, box.upper.y, box.upper.z}, primitives};
-    };
-    Aabb below = triangle_bounds(mesh, count - 1);
-    set(2 * (count - 1), below, count - 1, 1);
-    for (std::uint32_t i = count - 1; i > 0; --i) {
-        const Aabb box = triangle_bounds(mesh, i - 1);
-        set(2 * i + 1, box, i - 1, 1);
-        below = merge(below, box);
-        set(i > 1 ? 2 * (i - 1) : 0, below, 2 * i, 0);
-    }
-    return tree;
-}
-
-/// Triangles whose corners lie on a line, so that no box has an area.
-Mesh line_of_points(std::uint32_t count) {
-    Mesh mesh;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        mesh.vertices.push_back({static_cast<float>((i * 7919) % count), 0.0f, 0.0f});
-        mesh.triangles.push_back({i, i, i});
-    }
-    return mesh;
 }
 
 Bvh on_threads(int count, std::string_view id, const Bvh& tree) {
@@ -166,14 +111,14 @@ TEST_CASE("optimizers: equal boxes, boxes without area and hard sets of boxes en
 
 TEST_CASE("optimizers: a tree that is a chain of a thousand nodes is no obstacle") {
     const Mesh mesh = random_triangles(1001);
-    const Bvh tree = chain(mesh);
+    const Bvh tree = chain_tree(mesh);
     REQUIRE(validate(tree, mesh).depth == 1000);
     for (const OptimizerInfo& optimizer : tree_optimizers()) {
         expect_improved(optimizer.id, tree, mesh, "a chain");
         CHECK(sah_cost(optimize(tree, optimizer.id, short_budget())) < 0.8 * sah_cost(tree));
     }
     const Mesh long_mesh = coincident_triangles(100000);
-    const Bvh long_tree = chain(long_mesh);
+    const Bvh long_tree = chain_tree(long_mesh);
     for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         OptimizeBudget budget;
@@ -185,15 +130,7 @@ TEST_CASE("optimizers: a tree that is a chain of a thousand nodes is no obstacle
 TEST_CASE("optimizers: slots that no node uses may hold anything, and stay") {
     const Mesh mesh = random_triangles(400);
     const Bvh tight = make_builder("lbvh").build(mesh);
-    Bvh tree = tight;
-    // Every pair moves to twice its place; what lies between looks like nodes.
-    tree.nodes.assign(2 * tight.nodes.size(), Node{{-9, -9, -9}, 2, {9, 9, 9}, 0});
-    for (std::size_t i = 0; i < tight.nodes.size(); ++i) {
-        Node node = tight.nodes[i];
-        if (!node.is_leaf()) node.first *= 2;
-        tree.nodes[i < 2 ? i : i / 2 * 4 + i % 2] = node;
-    }
-    tree.nodes[1] = {};
+    const Bvh tree = with_strays(tight);
     REQUIRE(validate(tree, mesh).error == "");
     for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);

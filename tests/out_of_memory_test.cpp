@@ -6,6 +6,7 @@
 #include <new>
 
 #include "clbvh/core/error.hpp"
+#include "clbvh/device/device_optimizer.hpp"
 #include "clbvh/io/scene.hpp"
 #include "support/builders.hpp"
 
@@ -80,5 +81,24 @@ TEST_CASE("an allocation that fails anywhere in a host build is an Error, and th
             }
             CHECK(failures > 0);
         }
+    }
+}
+
+TEST_CASE("an allocation that fails before a tree goes to the device is an Error, and the optimizer still works") {
+    const Bvh tree = make_builder("lbvh").build(generate_scene("hair", 3000));
+    DeviceOptimizer optimizer("treelet", shared_context());
+    const Bvh expected = optimizer.optimize(tree);
+    for (long allowed = 0; allowed < 3; ++allowed) {
+        Bvh given = tree;
+        allocations_left = allowed;
+        try {
+            static_cast<void>(optimizer.optimize(std::move(given)));
+            allocations_left = -1;
+            FAIL("nothing was told");
+        } catch (const Error& error) {
+            allocations_left = -1;
+            REQUIRE(error.code() == ErrorCode::out_of_memory);
+        }
+        REQUIRE(same_bytes(optimizer.optimize(tree), expected));
     }
 }

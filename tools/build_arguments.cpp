@@ -88,6 +88,9 @@ void BuildArguments::add_tree_options(CLI::App& command) {
     add_number(command, "--optimize-passes", &BuildOptions::optimize_passes,
                "Most passes of each optimizer; 0: as many as it finds worth while")
         ->group(kTree);
+    add_choice(command, "--optimize-on", options.optimize_on, {OptimizeOn::host, OptimizeOn::device}, optimize_on_from,
+               "Where they run; those that clbvh builders lists for devices run on the one that built the tree")
+        ->group(kTree);
     add_number(
         command, "--max-leaf", &BuildOptions::max_leaf_size,
         "Largest leaf, 1 to 64: the builder's own where it makes leaves itself (binned-sah, sweep-sah, sbvh, aac, "

@@ -61,15 +61,16 @@ int list(const JsonOutput& json) {
                            {"available", reason.empty()}});
         if (!reason.empty()) entries.back()["reason"] = reason;
     }
-    Table optimizer_table({"optimizer", "paper", "title"}, Table::Align::left);
+    Table optimizer_table({"optimizer", "runs on", "paper", "title"}, Table::Align::left);
     nlohmann::ordered_json optimizer_entries = nlohmann::ordered_json::array();
     for (const OptimizerInfo& optimizer : optimizers()) {
-        optimizer_table.add_row(
-            {std::string(optimizer.id), std::string(optimizer.paper), std::string(optimizer.title)});
+        optimizer_table.add_row({std::string(optimizer.id), optimizer.on_device ? "host, device" : "host",
+                                 std::string(optimizer.paper), std::string(optimizer.title)});
         optimizer_entries.push_back({{"id", optimizer.id},
                                      {"title", optimizer.title},
                                      {"paper", optimizer.paper},
-                                     {"splits_first", optimizer.splits_first}});
+                                     {"splits_first", optimizer.splits_first},
+                                     {"on_device", optimizer.on_device}});
     }
     Table preset_table({"preset", "builder", "optimizers", "passes", "max leaf", "title"}, Table::Align::left);
     nlohmann::ordered_json preset_entries = nlohmann::ordered_json::array();

@@ -16,6 +16,8 @@
 #include "clbvh/device/context.hpp"
 #include "clbvh/device/device.hpp"
 #include "clbvh/device/device_builder.hpp"
+#include "clbvh/device/device_optimizer.hpp"
+#include "clbvh/device/device_refitter.hpp"
 #include "clbvh/device/device_tracer.hpp"
 #include "clbvh/host/aac.hpp"
 #include "clbvh/host/binned_sah.hpp"

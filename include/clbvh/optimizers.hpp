@@ -16,6 +16,7 @@ struct OptimizerInfo {
     std::string_view paper;     ///< Authors and year.
     bool splits_first = false;  ///< Triangles are split before the tree is built, so that it is for builds alone
                                 ///< (BuildOptions::optimizers); optimize() refuses it.
+    bool on_device = false;     ///< DeviceOptimizer has it too.
 };
 
 /// Every optimiser of the library, in the order in which tables list them.

@@ -51,6 +51,11 @@ constexpr std::array kPairMergings{
     Named{PairMerging::off, "off"},
 };
 
+constexpr std::array kOptimizeOn{
+    Named{OptimizeOn::host, "host"},
+    Named{OptimizeOn::device, "device"},
+};
+
 /// Empty where the value is none of the enumerators.
 template <typename Table, typename Enum>
 std::string_view name_of(const Table& table, Enum value) noexcept {
@@ -122,6 +127,7 @@ void check_options(const BuildOptions& options) {
         throw Error(ErrorCode::invalid_input,
                     "presplit_level and split_quota are two ways to split triangles: give one");
     }
+    check_enumerator("optimize_on", options.optimize_on);
     check_range("thread_count", options.thread_count, 0, 1024);
     check_range("search_radius", options.search_radius, 1, 32);
     check_enumerator("shape", options.shape);
@@ -158,6 +164,9 @@ std::string_view to_string(HplocSearch search) noexcept {
 std::string_view to_string(PairMerging merging) noexcept {
     return name_of(kPairMergings, merging);
 }
+std::string_view to_string(OptimizeOn where) noexcept {
+    return name_of(kOptimizeOn, where);
+}
 
 std::optional<Shape> shape_from(std::string_view name) noexcept {
     return value_of(kShapes, name);
@@ -179,6 +188,9 @@ std::optional<HplocSearch> hploc_search_from(std::string_view name) noexcept {
 }
 std::optional<PairMerging> pair_merging_from(std::string_view name) noexcept {
     return value_of(kPairMergings, name);
+}
+std::optional<OptimizeOn> optimize_on_from(std::string_view name) noexcept {
+    return value_of(kOptimizeOn, name);
 }
 
 }  // namespace clbvh

@@ -80,18 +80,19 @@ void Launcher::read_uints(const cl::Buffer& buffer, std::span<std::uint32_t> out
     waits_.clear();
 }
 
-void Launcher::copy_uint(const cl::Buffer& from, const cl::Buffer& to, std::uint64_t offset) {
+void Launcher::copy_uint(const cl::Buffer& from, std::uint64_t from_offset, const cl::Buffer& to,
+                         std::uint64_t offset) {
     with_opencl_errors("copying a count", [&] {
         enqueue_next([&](const std::vector<cl::Event>* waits, cl::Event* event) {
-            queue_.enqueueCopyBuffer(from, to, 0, offset, sizeof(cl_uint), waits, event);
+            queue_.enqueueCopyBuffer(from, to, from_offset, offset, sizeof(cl_uint), waits, event);
         });
     });
 }
 
-void Launcher::clear_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count) {
-    with_opencl_errors("clearing counts", [&] {
+void Launcher::fill_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count, std::uint32_t value) {
+    with_opencl_errors("writing counts", [&] {
         enqueue_next([&](const std::vector<cl::Event>* waits, cl::Event* event) {
-            queue_.enqueueFillBuffer(to, cl_uint{0}, offset, count * sizeof(cl_uint), waits, event);
+            queue_.enqueueFillBuffer(to, cl_uint{value}, offset, count * sizeof(cl_uint), waits, event);
         });
     });
 }

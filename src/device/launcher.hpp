@@ -29,9 +29,9 @@ public:
     /// Reports progress within the stage; throws as begin_stage does.
     void report(double fraction);
 
-    /// Enqueues `groups` work groups of `kernel` with `arguments` (buffers and integers) in order.
+    /// Enqueues `groups` work groups of `kernel` with `arguments` (buffers, integers and floats) in order.
     template <class... Arguments>
-    requires((std::same_as<Arguments, cl::Buffer> ||
+    requires((std::same_as<Arguments, cl::Buffer> || std::same_as<Arguments, float> ||
               std::integral<Arguments>)&&...) void launch(Kernel& kernel, std::size_t groups,
                                                           const Arguments&... arguments) {
         cl_uint index = 0;
@@ -47,11 +47,15 @@ public:
         return value;
     }
 
-    /// Enqueues a copy of the number that begins `from` to `offset` bytes into `to`.
-    void copy_uint(const cl::Buffer& from, const cl::Buffer& to, std::uint64_t offset);
+    /// Enqueues a copy of the number `from_offset` bytes into `from` to `offset` bytes into `to`.
+    void copy_uint(const cl::Buffer& from, std::uint64_t from_offset, const cl::Buffer& to, std::uint64_t offset);
 
-    /// Enqueues that `count` numbers from `offset` bytes into `to` on become 0.
-    void clear_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count);
+    /// Enqueues that `count` numbers from `offset` bytes into `to` on become `value`.
+    void fill_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count, std::uint32_t value);
+    /// The same with 0.
+    void clear_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count) {
+        fill_uints(to, offset, count, 0);
+    }
 
     /// Makes `*event`, where there is one, an event of the caller's that is complete when all that was enqueued is.
     void hand_over_end(cl_event* event);

@@ -68,30 +68,35 @@ MemoryPlan plan_pipeline(const DeviceAlgorithm& algorithm, const BuildSettings& 
 
 void enqueue_pipeline(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
                       const CallerBuild& build) {
-    const bool writes_count = build.active_count.buffer() != nullptr;
     if (build.mesh.primitive_count == 0) {
-        if (writes_count) launcher.clear_uints(build.active_count.buffer, build.active_count.offset, 1);
+        if (build.active_count.buffer() != nullptr)
+            launcher.clear_uints(build.active_count.buffer, build.active_count.offset, 1);
         return;
     }
     const BuildBuffers buffers = cut_views(build.memory, build.plan);
     launch_stages(launcher, algorithm, settings, build.mesh, buffers, true);
-    if (writes_count) {
-        launcher.copy_uint(buffers.leaf_count, build.active_count.buffer, build.active_count.offset);
+    for (const Block& count : {build.active_count, build.kept_count}) {
+        if (count.buffer() != nullptr) launcher.copy_uint(buffers.leaf_count, 0, count.buffer, count.offset);
     }
 }
 
 BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
-                        const ProgressCallback& progress, const DeviceMesh& mesh, OwnMemory& memory) {
+                        const ProgressCallback& progress, const DeviceMesh& mesh, OwnMemory& memory, PipelineEnd& end) {
     const MemoryPlan plan = plan_pipeline(algorithm, settings, mesh.primitive_count);
+    const std::uint64_t scratch_bytes = end.optimizers.scratch_bytes(2 * mesh.active_count);
+    Block scratch;
     if (mesh.active_count > 0) {
         memory.reserve(session, plan);
+        if (scratch_bytes > 0) scratch.buffer = end.scratch.reserve(session, scratch_bytes);
     }
     Launcher launcher(session, progress);
     if (mesh.active_count > 0) {
-        launch_stages(launcher, algorithm, settings, mesh, memory.buffers(), false);
+        const BuildBuffers& buffers = memory.buffers();
+        launch_stages(launcher, algorithm, settings, mesh, buffers, false);
+        end.optimizers.launch(launcher, {buffers.nodes, 2 * mesh.active_count, {buffers.leaf_count}}, scratch, 0.95);
     }
     BuildStats stats = launcher.finish();
-    stats.peak_device_bytes = mesh.active_count > 0 ? plan.bytes() : 0;
+    stats.peak_device_bytes = mesh.active_count > 0 ? plan.bytes() + scratch_bytes : 0;
     stats.inactive_primitives = mesh.primitive_count - mesh.active_count;
     return stats;
 }

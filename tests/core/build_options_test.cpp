@@ -164,6 +164,7 @@ TEST_CASE("values that are no enumerators are rejected") {
                     [](BuildOptions& o) { o.neighbour_search = static_cast<NeighbourSearch>(255); });
     expect_rejected("hploc_quality", 2, [](BuildOptions& o) { o.hploc_quality = static_cast<HplocQuality>(2); });
     expect_rejected("hploc_search", 3, [](BuildOptions& o) { o.hploc_search = static_cast<HplocSearch>(3); });
+    expect_rejected("optimize_on", 2, [](BuildOptions& o) { o.optimize_on = static_cast<OptimizeOn>(2); });
     expect_rejected("merge_pairs", 3, [](BuildOptions& o) { o.merge_pairs = static_cast<PairMerging>(3); });
 }
 
@@ -194,6 +195,8 @@ TEST_CASE("names of options' values lead back to the values") {
     expect_round_trip(PairMerging::automatic, "auto", pair_merging_from);
     expect_round_trip(PairMerging::on, "on", pair_merging_from);
     expect_round_trip(PairMerging::off, "off", pair_merging_from);
+    expect_round_trip(OptimizeOn::host, "host", optimize_on_from);
+    expect_round_trip(OptimizeOn::device, "device", optimize_on_from);
 }
 
 TEST_CASE("unknown names lead to nothing") {
@@ -206,5 +209,6 @@ TEST_CASE("unknown names lead to nothing") {
         CHECK_FALSE(hploc_quality_from(name));
         CHECK_FALSE(hploc_search_from(name));
         CHECK_FALSE(pair_merging_from(name));
+        CHECK_FALSE(optimize_on_from(name));
     }
 }

@@ -297,6 +297,7 @@ TEST_CASE("build's JSON holds the options that were in force") {
         {"split_quota", 0.3, {"--split-quota"}},
         {"optimizers", "rotate", {"--optimize", "rotate"}},
         {"optimize_passes", 3, {"--optimize-passes", "3"}},
+        {"optimize_on", "device", {"--optimize-on", "device"}},
         {"thread_count", 1, {"--threads", "1"}},
         {"search_radius", 9, {"--radius", "9"}},
         {"shape", "lane", {"--shape", "lane"}},

@@ -54,6 +54,7 @@ TEST_CASE("builders lists the table of optimizers too") {
         CHECK(list[i]["title"] == optimizers()[i].title);
         CHECK(list[i]["paper"] == optimizers()[i].paper);
         CHECK(list[i]["splits_first"] == optimizers()[i].splits_first);
+        CHECK(list[i]["on_device"] == optimizers()[i].on_device);
         CHECK_THAT(table.out,
                    Contains(std::string(optimizers()[i].id)) && Contains(std::string(optimizers()[i].title)));
     }

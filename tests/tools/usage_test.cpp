@@ -30,7 +30,8 @@ TEST_CASE("help names every command, and of each command every option") {
     const Outcome outcome = run_tool({"--help"});
     CHECK(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
-    for (const char* command : {"devices", "builders", "scenes", "build", "bench", "tune", "trace", "metrics"}) {
+    for (const char* command :
+         {"devices", "builders", "scenes", "build", "bench", "tune", "trace", "metrics", "table"}) {
         CHECK_THAT(outcome.out, Contains(command));
         const Outcome help = run_tool({command, "--help"});
         CHECK(help.exit_code == 0);

@@ -58,6 +58,12 @@ enum class PairMerging : std::uint8_t {
     off,
 };
 
+/// Where the optimisers of a build run.
+enum class OptimizeOn : std::uint8_t {
+    host,    ///< All optimisers, on the tree of any builder.
+    device,  ///< On the device that built the tree, before it is downloaded; those with OptimizerInfo::on_device.
+};
+
 /// Options of all builders; each reads those that concern it. A zero size means: chosen for the builder or the device.
 struct BuildOptions {
     float inner_cost = 1.2f;          ///< Cost of visiting an inner node, above 0: SAH builders, flattening.
@@ -71,12 +77,14 @@ struct BuildOptions {
     float reference_budget = 2.0f;       ///< sbvh: most references, as a multiple of the primitives, 1 to 8.
     std::uint32_t presplit_level = 0;    ///< Before any builder, split triangles that have an edge whose box is larger
                                          ///< than the scene's volume / 2^level, 1 to 40; the paper's is 14. 0: do not.
-    float split_quota = 0.0f;        ///< Before any builder, split the triangles whose boxes have most to lose, so that
-                                     ///< there are at most so many splits a triangle, above 0 to 4; 0.3 is the paper's
-                                     ///< (see docs/presplit.md). 0: do not. Not with presplit_level.
-    std::string optimizers;          ///< After any builder, before leaves are merged: ids of optimizers() with commas
-                                     ///< between them, "reinsert" say. Empty: none.
-    std::uint32_t optimize_passes = 0;  ///< Most passes of each of them; 0: as many as it finds worth while.
+    float split_quota = 0.0f;  ///< Before any builder, split the triangles whose boxes have most to lose, so that
+                               ///< there are at most so many splits a triangle, above 0 to 4; 0.3 is the paper's
+                               ///< (see docs/presplit.md). 0: do not. Not with presplit_level.
+    std::string optimizers;    ///< After any builder, before leaves are merged: ids of optimizers() with commas
+                               ///< between them, "reinsert" say. Empty: none.
+    std::uint32_t optimize_passes = 0;  ///< Most passes of each of them, up to 1000 where they run on a device; 0: as
+                                        ///< many as it finds worth while.
+    OptimizeOn optimize_on = OptimizeOn::host;  ///< Where they run; see OptimizeOn.
     std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
 
     std::uint32_t search_radius = 16;  ///< R of PLOC and PLOC++, and of hploc with HplocSearch::window: neighbours
@@ -117,6 +125,8 @@ void check_options(const BuildOptions& options);
 [[nodiscard]] std::string_view to_string(HplocSearch search) noexcept;          ///< "auto", "all-pairs", "window"
 [[nodiscard]] std::string_view to_string(PairMerging merging) noexcept;         ///< "auto", "on", "off"
 
+[[nodiscard]] std::string_view to_string(OptimizeOn where) noexcept;  ///< "host", "device"
+
 [[nodiscard]] std::optional<Shape> shape_from(std::string_view name) noexcept;
 [[nodiscard]] std::optional<MortonCode> morton_code_from(std::string_view name) noexcept;
 [[nodiscard]] std::optional<NeighbourEncoding> neighbour_encoding_from(std::string_view name) noexcept;
@@ -124,5 +134,6 @@ void check_options(const BuildOptions& options);
 [[nodiscard]] std::optional<HplocQuality> hploc_quality_from(std::string_view name) noexcept;
 [[nodiscard]] std::optional<HplocSearch> hploc_search_from(std::string_view name) noexcept;
 [[nodiscard]] std::optional<PairMerging> pair_merging_from(std::string_view name) noexcept;
+[[nodiscard]] std::optional<OptimizeOn> optimize_on_from(std::string_view name) noexcept;
 
 }  // namespace clbvh

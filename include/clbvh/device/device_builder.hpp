@@ -66,12 +66,14 @@ struct DeviceBuildSizes {
 ///     ... buffers of at least these sizes ...
 ///     builder.enqueue(queue, triangles, {scratch}, {{nodes}, {primitive_ids}});
 ///
-/// The tree is, byte for byte, the one that Builder makes of the same primitives. One thread at a time for all that
-/// shares the Context: kernels are shared, and their arguments are set by each call.
+/// The tree is, byte for byte, the one that Builder makes of the same primitives with OptimizeOn::device. One thread at
+/// a time for all that shares the Context: kernels are shared, and their arguments are set by each call.
 class DeviceBuilder {
 public:
     /// Throws what Builder's constructor throws, and Error(unsupported) for a builder of the host and for options that
-    /// are the host's work (max_leaf_size, presplit_level, split_quota). BuildOptions::progress is never called.
+    /// are the host's work (max_leaf_size, presplit_level, split_quota). BuildOptions::optimizers run on the device,
+    /// one after the other behind the build, wherever BuildOptions::optimize_on would have them: throws what
+    /// DeviceOptimizer's constructor throws. BuildOptions::progress is never called.
     DeviceBuilder(std::string_view builder_id, Context context, const BuildOptions& options = {});
     DeviceBuilder(const DeviceBuilder&) = delete;
     DeviceBuilder(DeviceBuilder&&) noexcept;

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "clbvh/core/build_options.hpp"
+#include "clbvh/device/device_builder.hpp"
+#include "clbvh/device/device_optimizer.hpp"
+#include "clbvh/metrics/sah.hpp"
+
+namespace clbvh {
+
+/// How a DeviceRefitter works.
+struct DeviceRefitterOptions {
+    /// automatic: lane on CPUs that pass the self-test. Both give the same boxes.
+    Shape shape = Shape::automatic;
+    SahCosts costs;  ///< Of the costs that are written.
+};
+
+/// Bytes that refitting needs beside the tree and its primitives.
+struct DeviceRefitSizes {
+    std::uint64_t order = 0;            ///< What is known of a tree's structure; kept from frame to frame.
+    std::uint64_t scratch = 0;          ///< Free again when the boxes are written.
+    std::uint64_t quality_scratch = 0;  ///< For the cost alone.
+};
+
+/// What a refit reads and writes beside the nodes.
+struct DeviceRefit {
+    DeviceInput input;                  ///< The primitives that the tree was built over, at new places.
+    DeviceSpan primitive_ids;           ///< uint [reference_count], see Bvh::primitive_ids; alignment() in.
+    std::uint32_t reference_count = 0;  ///< Or more; what lies behind the tree's own is not used.
+    DeviceSpan order;                   ///< What DeviceRefitter::enqueue_order wrote; alignment() in.
+    DeviceSpan scratch;                 ///< DeviceRefitSizes::scratch bytes; alignment() in.
+    /// Two floats, a multiple of 4 bytes in: the tree's SAH cost with the boxes that were there, and with the new ones,
+    /// as RefitStats; 0 where the root has no area. Compensated sums, always in the same order.
+    DeviceSpan sah;
+};
+
+/// Gives trees in device memory the boxes that moved primitives ask for, on a queue of the caller's: nothing is
+/// allocated, and nothing is waited for.
+///
+///     clbvh::DeviceRefitter refitter(clbvh::Context::adopt(queue));
+///     const auto tree = clbvh::DeviceNodes::of(result, triangles.count);
+///     const clbvh::DeviceRefitSizes sizes = refitter.sizes(tree.node_count, triangles.count);
+///     refitter.enqueue_order(queue, tree, order);                                                        // once
+///     refitter.enqueue(queue, tree, {triangles, result.primitive_ids, triangles.count, order, scratch, sah});  //
+///     often
+///
+/// The boxes are those of refit(), bit for bit. Programs are built when the refitter is made. One thread at a time for
+/// all that shares the Context.
+class DeviceRefitter {
+public:
+    /// Throws Error(invalid_input) where a cost is negative or not finite, and what the device says where a program
+    /// does not build.
+    explicit DeviceRefitter(Context context, const DeviceRefitterOptions& options = {});
+    DeviceRefitter(const DeviceRefitter&) = delete;
+    DeviceRefitter(DeviceRefitter&&) noexcept;
+    DeviceRefitter& operator=(const DeviceRefitter&) = delete;
+    DeviceRefitter& operator=(DeviceRefitter&&) noexcept;
+    ~DeviceRefitter();
+
+    /// What a tree of so many nodes (DeviceNodes::node_count) over so many primitives needs.
+    [[nodiscard]] DeviceRefitSizes sizes(std::uint32_t node_count, std::uint32_t primitive_count) const noexcept;
+
+    /// What nodes, ids, order and scratch must begin at a multiple of, in bytes, as DeviceBuilder::alignment().
+    [[nodiscard]] std::uint64_t alignment() const noexcept;
+
+    /// Enqueues that `order` is filled with what refits need to know of the tree's structure. It stays true until the
+    /// nodes are numbered or linked in another way, as by a new build or by an optimiser.
+    ///
+    /// This and the next two begin when the events in `wait_list` are complete, in an in-order queue also behind what
+    /// was enqueued before, and `event`, where given, becomes the caller's own event of their end. All memory is looked
+    /// at as DeviceBuilder::enqueue does, and so is what was found wrong thrown. The values cannot be checked: for a
+    /// tree with loops, and for numbers out of range, the behaviour is undefined.
+    void enqueue_order(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& order,
+                       std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+
+    /// Enqueues that leaves get the boxes of their primitives, and inner nodes those of their children. Where
+    /// references were split, leaves get the boxes of whole primitives. A primitive with a NaN coordinate counts for
+    /// nothing, whether it had one when the tree was built or not; a leaf with none but such becomes a box that nothing
+    /// hits and that costs nothing (lower corner infinity, upper corner minus infinity). A primitive that was inactive
+    /// then is in no leaf, and stays out. Without nodes nothing is written but two zeros to `sah`.
+    void enqueue(cl_command_queue queue, const DeviceNodes& tree, const DeviceRefit& refit,
+                 std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+
+    /// Enqueues that the tree's SAH cost, one float, is written to `sah`: one pass over its nodes, no order needed.
+    void enqueue_quality(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& scratch,
+                         const DeviceSpan& sah, std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+
+    [[nodiscard]] const DeviceRefitterOptions& options() const noexcept;
+    [[nodiscard]] const Context& context() const noexcept;
+    /// The shape that runs: group or lane.
+    [[nodiscard]] Shape shape() const noexcept;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace clbvh

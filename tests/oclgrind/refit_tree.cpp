@@ -1,0 +1,92 @@
+// A tree refitted on the device in one shape, beside the host's: what Oclgrind watches.
+//   oclgrind_refit_tree (group | lane)
+
+#include <array>
+#include <clbvh/clbvh.hpp>
+#include <clbvh/device/device_refitter.hpp>
+#include <clbvh/io/scene.hpp>
+#include <clbvh/optimize/refit.hpp>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <iostream>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace {
+
+/// A buffer of the device with these values, or with room for so many bytes.
+class Buffer {
+public:
+    Buffer(const clbvh::Context& context, std::size_t bytes)
+        : buffer_(clCreateBuffer(context.opencl_context(), CL_MEM_READ_WRITE, bytes, nullptr, nullptr)) {}
+    template <typename T>
+    Buffer(const clbvh::Context& context, const std::vector<T>& values) : Buffer(context, values.size() * sizeof(T)) {
+        clEnqueueWriteBuffer(context.opencl_queue(), buffer_, CL_TRUE, 0, values.size() * sizeof(T), values.data(), 0,
+                             nullptr, nullptr);
+    }
+    Buffer(const Buffer&) = delete;
+    Buffer& operator=(const Buffer&) = delete;
+    ~Buffer() { clReleaseMemObject(buffer_); }
+
+    template <typename T>
+    void read(const clbvh::Context& context, std::span<T> values) const {
+        clEnqueueReadBuffer(context.opencl_queue(), buffer_, CL_TRUE, 0, values.size_bytes(), values.data(), 0, nullptr,
+                            nullptr);
+    }
+    [[nodiscard]] clbvh::DeviceSpan span() const { return {buffer_, 0}; }
+
+private:
+    cl_mem buffer_;
+};
+
+int run(const std::string& shape) {
+    clbvh::Mesh mesh = clbvh::generate_scene("soup", 3000);
+    clbvh::Bvh expected = clbvh::build(mesh, "locally-ordered");
+    const std::vector<clbvh::Node> nodes_before = expected.nodes;
+    for (clbvh::Vec3& vertex : mesh.vertices)
+        vertex.x += 0.3f * std::sin(5.0f * vertex.y);
+    const clbvh::RefitStats stats = clbvh::refit(expected, mesh);
+
+    const clbvh::Context context = clbvh::Context::open();
+    clbvh::DeviceRefitterOptions options;
+    options.shape = shape == "group" ? clbvh::Shape::group : clbvh::Shape::lane;
+    clbvh::DeviceRefitter refitter(context, options);
+    const auto node_count = static_cast<std::uint32_t>(expected.nodes.size());
+    const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+    const clbvh::DeviceRefitSizes sizes = refitter.sizes(node_count, count);
+    const Buffer nodes(context, nodes_before), ids(context, expected.primitive_ids), vertices(context, mesh.vertices),
+        indices(context, mesh.triangles), order(context, sizes.order), scratch(context, sizes.scratch), sah(context, 8);
+    clbvh::DeviceTriangles triangles;
+    triangles.count = count;
+    triangles.vertices = vertices.span();
+    triangles.indices = indices.span();
+    const clbvh::DeviceNodes tree{nodes.span(), node_count, {}};
+    refitter.enqueue_order(context.opencl_queue(), tree, order.span());
+    refitter.enqueue(context.opencl_queue(), tree,
+                     {triangles, ids.span(), count, order.span(), scratch.span(), sah.span()});
+    std::vector<clbvh::Node> fitted(node_count);
+    std::array<float, 2> costs{};
+    nodes.read<clbvh::Node>(context, fitted);
+    sah.read<float>(context, costs);
+    refitter.enqueue_quality(context.opencl_queue(), tree, scratch.span(), sah.span());
+    std::array<float, 1> quality{};
+    sah.read<float>(context, quality);
+    const auto is_near = [](double a, double b) { return std::abs(a - b) <= 1e-6 * b; };
+    const bool are_same = fitted == expected.nodes && is_near(costs[0], stats.sah_before) &&
+                          is_near(costs[1], stats.sah_after) && is_near(quality[0], stats.sah_after);
+    if (!are_same) std::cerr << "the device's tree or its cost is not the host's\n";
+    return are_same ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+    try {
+        return argument_count == 2 ? run(arguments[1]) : EXIT_FAILURE;
+    } catch (const std::exception& error) {
+        std::cerr << error.what() << '\n';
+        return EXIT_FAILURE;
+    }
+}
