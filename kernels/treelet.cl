@@ -10,6 +10,7 @@
 //   launch group shape: any number of groups, each takes subtrees in turn and a treelet at a time (treelet_group.clh).
 //          lane shape: any number of work items, each takes a part of the list, 16 treelets at a time
 //          (treelet_lane.clh).
+//   local  3 KiB (group), 30 KiB (lane)
 //
 // A treelet depends on what is below its root alone, so that the order of subtrees and the shape do not matter.
 #include "work_group.clh"

@@ -13,6 +13,7 @@ namespace clbvh::device {
 struct OptimizeSettings {
     Shape shape = Shape::group;         ///< group or lane
     std::uint32_t passes = 0;           ///< most of each optimiser; 0: its own limit
+    std::uint32_t treelet_leaves = 7;   ///< of `treelet`
     std::size_t stream_group_size = 1;  ///< work items a group in kernels that pass over nodes; 1 in the lane shape
     std::uint32_t groups_to_fill = 1;   ///< work groups that keep the whole device busy
 

@@ -14,12 +14,14 @@ constexpr std::uint32_t kLeastNodes = 6;
 
 OptimizeSettings resolve(Session& session, const DeviceOptimizerOptions& options) {
     check_range("passes", options.passes, 0, 1000);
+    check_range("treelet_leaves", options.treelet_leaves, 3, 8);
     BuildOptions build_options;
     build_options.shape = options.shape;
     const BuildSettings build = resolve_settings(build_options, session, {.chunks = false, .presets = false});
     OptimizeSettings settings;
     settings.shape = build.shape;
     settings.passes = options.passes;
+    settings.treelet_leaves = options.treelet_leaves;
     settings.stream_group_size = build.stream_group_size;
     settings.groups_to_fill = build.groups_to_fill;
     return settings;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <string>
 
 #include "device/device_optimizer_row.hpp"
 
@@ -9,9 +10,9 @@ namespace clbvh::device {
 namespace {
 
 constexpr std::uint32_t kPasses = 3;
-constexpr std::uint32_t kLeaves = 7;       // TREELET_LEAVES of treelet.cl
+constexpr std::uint32_t kLeastSize = 7;    // leaves below the roots of treelets, in the first pass
 constexpr std::uint32_t kSubtreeBits = 8;  // SUBTREE_BITS of treelet_walk.clh
-constexpr std::uint32_t kLevels = 33 - kSubtreeBits;
+constexpr std::uint64_t kLevels = 33 - kSubtreeBits;
 // Small groups wait little: a treelet has much that only a few work items can do.
 constexpr std::size_t kGroupSize = 32;
 // Work groups of a launch, as multiples of those that fill the device: subtrees differ in work.
@@ -24,7 +25,8 @@ ProgramSpec sizes_program(const OptimizeSettings& settings) {
 }
 
 ProgramSpec search_program(const OptimizeSettings& settings) {
-    return {"treelet.cl", std::min(settings.stream_group_size, kGroupSize), ""};
+    return {"treelet.cl", std::min(settings.stream_group_size, kGroupSize),
+            " -D TREELET_LEAVES=" + std::to_string(settings.treelet_leaves)};
 }
 
 std::vector<ProgramSpec> programs(const OptimizeSettings& settings) {
@@ -36,7 +38,7 @@ struct Plan {
     std::uint64_t pairs, roots;  // numbers
 
     explicit Plan(std::uint32_t node_count)
-        : pairs(node_count / 2), roots(pairs / kLeaves + (2 * pairs >> kSubtreeBits) + 1) {}
+        : pairs(node_count / 2), roots(pairs / kLeastSize + (2 * pairs >> kSubtreeBits) + 1) {}
 
     [[nodiscard]] std::uint64_t sizes_offset() const { return align_for_views(4 * pairs); }
     [[nodiscard]] std::uint64_t lists_offset() const { return 2 * sizes_offset(); }
@@ -64,7 +66,7 @@ public:
         clear(sizes_, job_.tree.node_count / 2);
         launch_over_slots("count_leaves", parents_, sizes_);
         const std::uint32_t passes = job_.settings.passes != 0 ? job_.settings.passes : kPasses;
-        std::uint64_t least_size = kLeaves;
+        std::uint64_t least_size = std::max(kLeastSize, job_.settings.treelet_leaves);
         for (std::uint32_t pass = 0; pass < passes && least_size <= plan_.pairs; ++pass, least_size *= 2)
             restructure(static_cast<std::uint32_t>(least_size));
     }
@@ -82,7 +84,7 @@ private:
     }
 
     void restructure(std::uint32_t least_size) {
-        clear(counts_, kLevels);
+        clear(counts_, std::uint32_t{kLevels});
         launch_over_slots("list_subtrees", sizes_, least_size, lists_, counts_);
         const auto last_level = static_cast<std::uint32_t>(std::bit_width(plan_.pairs >> kSubtreeBits));
         for (std::uint32_t level = 0; level <= last_level; ++level) {

@@ -1,6 +1,7 @@
 // Treelets on the device beside the host's, which were proven to be the best trees over their leaves.
 #include "clbvh/optimize/treelet.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "clbvh/device/device_optimizer.hpp"
@@ -9,6 +10,7 @@
 #include "optimize/edit_tree.hpp"
 #include "support/box_sets.hpp"
 #include "support/builders.hpp"
+#include "support/expect_error.hpp"
 #include "support/meshes.hpp"
 
 using namespace clbvh;
@@ -74,6 +76,32 @@ TEST_CASE("device treelets: each pass improves what the one before has left") {
     }
     // Beyond the size of the tree there is nothing to do.
     CHECK(same_bytes(make_treelets(Shape::lane, 40).optimize(tree), make_treelets(Shape::lane, 1000).optimize(tree)));
+}
+
+TEST_CASE("device treelets: of other sizes they are as good as the host's, and larger ones better") {
+    const Bvh tree = make_builder("lbvh").build(generate_scene("clustered", 10000));
+    double before = sah_cost(tree);
+    for (const std::uint32_t leaves : {3u, 5u, 8u}) {
+        INFO(leaves);
+        DeviceOptimizerOptions options;
+        options.treelet_leaves = leaves;
+        options.shape = Shape::lane;
+        const Bvh better = DeviceOptimizer("treelet", shared_context(), options).optimize(tree);
+        options.shape = Shape::group;
+        CHECK(same_bytes(DeviceOptimizer("treelet", shared_context(), options).optimize(tree), better));
+        TreeletConfig config;
+        config.leaves = leaves;
+        config.least_size = std::max(leaves, config.least_size);
+        CHECK(sah_cost(better) == Approx(sah_cost(restructure_treelets(tree, config))).epsilon(0.001));
+        CHECK(sah_cost(better) < before);
+        before = sah_cost(better);
+    }
+    for (const std::uint32_t leaves : {2u, 9u}) {
+        DeviceOptimizerOptions options;
+        options.treelet_leaves = leaves;
+        expect_error(ErrorCode::invalid_input, {"treelet_leaves"},
+                     [&] { DeviceOptimizer("treelet", shared_context(), options); });
+    }
 }
 
 TEST_CASE("device treelets: a tree that cannot be improved keeps its bytes") {

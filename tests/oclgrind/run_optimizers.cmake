@@ -12,7 +12,7 @@ foreach(index RANGE ${last})
     continue()
   endif()
   run_in_oclgrind(report
-    ${CLBVH} build gen:soup:600 --builder lbvh --validate --optimize ${id} --optimize-on device ${OPTIONS})
+    ${CLBVH} build gen:soup:300 --builder lbvh --validate --optimize ${id} --optimize-on device ${OPTIONS})
   if(report)
     message("${id} ${OPTIONS}:\n${report}")
     list(APPEND failed ${id})
