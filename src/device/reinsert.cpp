@@ -2,6 +2,7 @@
 #include "device/reinsert.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace clbvh::device {
 namespace {
@@ -56,7 +57,7 @@ ReinsertSizes::ReinsertSizes(const OptimizeSettings& settings, std::uint32_t nod
                       candidates / kLeastShare + 1)),
       blocks((nodes + kSlotsPerGroup - 1) / kSlotsPerGroup) {}
 
-ReinsertViews::ReinsertViews(const ReinsertSizes& sizes, const Block& scratch) : scratch_(scratch) {
+ReinsertViews::ReinsertViews(const ReinsertSizes& sizes, Block scratch) : scratch_(std::move(scratch)) {
     parents = take(4 * sizes.nodes / 2);
     arrivals = take(4 * sizes.nodes / 2);
     ranks = take(2 * sizes.nodes);

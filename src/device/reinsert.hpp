@@ -20,7 +20,7 @@ struct ReinsertSizes {
 /// are added up.
 class ReinsertViews {
 public:
-    ReinsertViews(const ReinsertSizes& sizes, const Block& scratch);
+    ReinsertViews(const ReinsertSizes& sizes, Block scratch);
     [[nodiscard]] std::uint64_t bytes() const noexcept { return end_; }
 
     cl::Buffer parents, arrivals, ranks, locks, moving, histogram, counts, found, state, move_changes, box_changes,

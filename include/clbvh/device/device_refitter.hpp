@@ -80,7 +80,8 @@ public:
     /// references were split, leaves get the boxes of whole primitives. A primitive with a NaN coordinate counts for
     /// nothing, whether it had one when the tree was built or not; a leaf with none but such becomes a box that nothing
     /// hits and that costs nothing (lower corner infinity, upper corner minus infinity). A primitive that was inactive
-    /// then is in no leaf, and stays out. Without nodes nothing is written but two zeros to `sah`.
+    /// then is in no leaf, and stays out. Without nodes, references or primitives nothing is written but
+    /// two zeros to `sah`.
     void enqueue(cl_command_queue queue, const DeviceNodes& tree, const DeviceRefit& refit,
                  std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
 
