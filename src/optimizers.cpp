@@ -154,7 +154,7 @@ device::OptimizerChain make_optimizer_chain(device::Session& session, const Buil
     if (options.optimizers.empty()) return {};
     DeviceOptimizerOptions device_options;
     device_options.shape = options.shape;
-    device_options.passes = options.optimize_passes;
+    device_options.passes = std::min(options.optimize_passes, device::kMostPasses);
     return {session, find_device_optimizers(options.optimizers), device_options};
 }
 

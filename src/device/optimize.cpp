@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint32_t kLeastNodes = 6;
 
 OptimizeSettings resolve(Session& session, const DeviceOptimizerOptions& options) {
-    check_range("passes", options.passes, 0, 1000);
+    check_range("passes", options.passes, 0, kMostPasses);
     check_range("treelet_leaves", options.treelet_leaves, 3, 8);
     BuildOptions build_options;
     build_options.shape = options.shape;

@@ -8,6 +8,9 @@
 
 namespace clbvh::device {
 
+/// Most of DeviceOptimizerOptions::passes.
+constexpr std::uint32_t kMostPasses = 1000;
+
 /// An optimiser that was asked for.
 struct ChosenOptimizer {
     std::string_view id;  ///< of its row in the table of optimisers
