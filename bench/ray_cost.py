@@ -8,6 +8,7 @@ import sys
 sys.dont_write_bytecode = True  # the sources need not be where one may write
 
 from plotting.data import BadInput, load_document, names_of, of_scenes, short_name  # noqa: E402
+from plotting.pages import fit_cells, mean_ratio, pool_rows, print_table  # noqa: E402
 
 MEASUREMENTS = {"binary_ns_per_ray": "Through the tree's own nodes, two children at a time (`binary`)",
                 "ns_per_ray": "Eight children at a time (`ns/ray`)"}
@@ -17,30 +18,6 @@ RATIOS = {"SAH": "sah", "EPO": "epo", "LCV": "lcv", "steps/ray": "steps_per_ray"
 SCENE_COLUMNS = {"SAH": ("sah", 2), "EPO": ("epo", 2), "LCV": ("lcv", 2), "overlap": ("sibling_overlap", 2),
                  "depth": ("depth", 0), "steps/ray": ("steps_per_ray", 1), "tris/ray": ("triangles_per_ray", 1),
                  "ns/ray": ("ns_per_ray", 1), "binary": ("binary_ns_per_ray", 1)}
-
-
-def print_table(header, rows):
-    print(f"| {' | '.join(header)} |")
-    print("|" + "---|" * len(header))
-    for row in rows:
-        print(f"| {' | '.join(row)} |")
-    print()
-
-
-def fit_cells(fits):
-    both, all_three = fits["sah_epo"], fits["sah_epo_lcv"]
-    return [f"{fits['sah']['correlation']:.3f}", f"{both['correlation']:.3f}", f"{both['alpha']:.2f}",
-            f"{all_three['correlation']:.3f}", f"{all_three['alpha']:.2f}", f"{all_three['beta']:.2f}"]
-
-
-def pool_rows(pool):
-    fits = [pool[name] for name in ("sah", "sah_epo", "sah_epo_lcv")]
-    rows = []
-    for title, key in (("mean", "mean"), ("least", "minimum")):
-        sah, both, all_three = (f"**{fit[key]:.3f}**" for fit in fits)
-        rows.append([f"**{title}**", sah, both, "", all_three, "", ""])
-    shared = {name: pool[name]["shared"] for name in ("sah", "sah_epo", "sah_epo_lcv")}
-    return rows + [["**weights shared**"] + fit_cells(shared)]
 
 
 def print_correlations(correlation):
@@ -55,20 +32,10 @@ def print_correlations(correlation):
         print_table(["scene", "SAH", "SAH+EPO", "alpha", "SAH+EPO+LCV", "alpha", "beta"], rows)
 
 
-def mean_ratio(scenes, builder, field):
-    """Over the scenes where both ran, and the baseline's value is not 0; nothing where there are none."""
-    ratios = []
-    for results in scenes.values():
-        values = {r["builder"]: r[field] for r in results}
-        if values.get(BASELINE) and builder in values:
-            ratios.append(values[builder] / values[BASELINE])
-    return f"{sum(ratios) / len(ratios):.3f}" if ratios else "-"
-
-
 def print_builders(results, scenes):
     print(f"## Builders\n\nMeans over the scenes of each value over `{BASELINE}`'s.\n")
     print_table(["builder"] + list(RATIOS),
-                [[f"`{name}`"] + [mean_ratio(scenes, name, field) for field in RATIOS.values()]
+                [[f"`{name}`"] + [mean_ratio(scenes, name, field, BASELINE) for field in RATIOS.values()]
                  for name in names_of(results)])
 
 

@@ -9,6 +9,7 @@
 #include "backend.hpp"
 #include "clbvh/core/error.hpp"
 #include "clbvh/optimizers.hpp"
+#include "clbvh/presets.hpp"
 #include "core/memory_errors.hpp"
 #include "finish_stage.hpp"
 #include "optimizer_rows.hpp"
@@ -32,7 +33,7 @@ void check_for(const BuilderInfo& info, const BuildOptions& options) {
 // What needs no device is checked before one is opened.
 std::optional<Context> open_context_for(std::string_view builder_id, const BuildOptions& options) {
     const BuilderInfo& info = find_builder(builder_id);
-    check_for(info, options);
+    check_for(info, with_split_of_optimizers(with_preset(builder_id, options)));
     if (info.kind == BuilderKind::host) return std::nullopt;
     return Context::open();
 }
@@ -44,9 +45,14 @@ int arena_size(std::uint32_t thread_count) {
     return static_cast<int>(std::min<std::size_t>(thread_count, most));
 }
 
+/// True where there is work before the builder.
+bool needs_splitting(const BuildOptions& options) {
+    return options.presplit_level > 0 || options.split_quota > 0.0f;
+}
+
 /// True where there is work behind the builder.
 bool needs_finish(const BuildOptions& options) {
-    return options.presplit_level > 0 || options.max_leaf_size > 0 || optimizes_on_host(options);
+    return needs_splitting(options) || options.max_leaf_size > 0 || optimizes_on_host(options);
 }
 
 /// The builder's part of a build that has stages before and behind it.
@@ -55,8 +61,7 @@ struct Share {
     double end;
 };
 Share share_of_builder(const BuildOptions& options) {
-    const bool is_presplit = options.presplit_level > 0;
-    return {is_presplit ? 0.1 : 0.0, needs_finish(options) ? 0.9 : 1.0};
+    return {needs_splitting(options) ? 0.1 : 0.0, needs_finish(options) ? 0.9 : 1.0};
 }
 
 BuildOptions options_of_builder(const BuildOptions& options) {
@@ -71,8 +76,11 @@ BuildOptions options_of_builder(const BuildOptions& options) {
 }  // namespace
 
 struct Builder::State {
-    State(std::string_view builder_id, std::optional<Context> chosen_context, BuildOptions chosen_options)
-        : row(find_builder_row(builder_id)), context(std::move(chosen_context)), options(std::move(chosen_options)) {
+    State(std::string_view builder_id, std::optional<Context> chosen_context, const BuildOptions& chosen_options)
+        : row(find_builder_row(builder_id)),
+          id(find_preset(builder_id) != nullptr ? find_preset(builder_id)->id : row.info.id),
+          context(std::move(chosen_context)),
+          options(with_split_of_optimizers(with_preset(builder_id, chosen_options))) {
         check_for(row.info, options);
         backend_options = options_of_builder(options);
         arena.initialize(arena_size(options.thread_count));
@@ -87,10 +95,11 @@ struct Builder::State {
     void upload(const Mesh& mesh);
     BuildStats run();
 
-    [[nodiscard]] bool is_presplit() const noexcept { return options.presplit_level > 0; }
+    [[nodiscard]] bool is_presplit() const noexcept { return needs_splitting(options); }
     [[nodiscard]] bool is_finished_here() const noexcept { return needs_finish(options); }
 
     const BuilderRow& row;
+    std::string_view id;             // of the row, or of the preset
     std::optional<Context> context;  // absent for host builders
     BuildOptions options;
     BuildOptions backend_options;  // the same, save that progress is a part of the whole
@@ -173,6 +182,9 @@ Bvh Builder::build(const Mesh& mesh, BuildStats* stats) {
 
 const BuilderInfo& Builder::info() const noexcept {
     return state_->row.info;
+}
+std::string_view Builder::id() const noexcept {
+    return state_->id;
 }
 const BuildOptions& Builder::options() const noexcept {
     return state_->options;

@@ -2,7 +2,9 @@
 #include <cstddef>
 #include <cstring>
 #include <new>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "clbvh/clbvh.h"
 #include "clbvh/clbvh.hpp"
@@ -12,6 +14,9 @@ static_assert(sizeof(clbvh_node) == sizeof(clbvh::Node));
 struct clbvh_builder {
     clbvh::Builder builder;
     clbvh::Bvh bvh;
+    bool has_tree = false;                    // which may be empty
+    clbvh::Mesh moved;                        // what clbvh_refit was given last; its memory is used again
+    std::optional<clbvh::Refitter> refitter;  // for `bvh`, once it was refitted
 };
 
 namespace {
@@ -45,6 +50,11 @@ void require(bool condition, const char* message) {
     }
 }
 
+void require_tree(const clbvh_builder* builder) {
+    require(builder != nullptr, "builder is null");
+    require(builder->has_tree, "there is no tree; call clbvh_build first");
+}
+
 clbvh_options default_options() {
     const clbvh::BuildOptions defaults;
     return {sizeof(clbvh_options),
@@ -64,7 +74,15 @@ clbvh_options default_options() {
             defaults.split_alpha,
             defaults.reference_budget,
             static_cast<std::uint32_t>(defaults.hploc_quality),
-            defaults.code_bits};
+            defaults.code_bits,
+            nullptr,
+            defaults.split_quota,
+            0};
+}
+
+/// False where the callback says stop.
+bool report(clbvh_progress callback, void* user, const clbvh::Progress& progress) {
+    return callback(user, std::string(progress.stage).c_str(), progress.fraction) != 0;
 }
 
 clbvh::BuildOptions to_build_options(const clbvh_options* given) {
@@ -95,34 +113,50 @@ clbvh::BuildOptions to_build_options(const clbvh_options* given) {
     result.reference_budget = options.reference_budget;
     result.hploc_quality = static_cast<clbvh::HplocQuality>(options.hploc_quality);
     result.code_bits = options.code_bits;
+    if (options.optimizers != nullptr) result.optimizers = options.optimizers;
+    result.split_quota = options.split_quota;
     if (options.progress != nullptr) {
         result.progress = [options](const clbvh::Progress& progress) {
-            return options.progress(options.progress_user, std::string(progress.stage).c_str(), progress.fraction) != 0;
+            return report(options.progress, options.progress_user, progress);
         };
     }
     return result;
 }
 
-clbvh::Mesh copy_mesh(const float* vertices, std::uint64_t vertex_count, const std::uint32_t* triangles,
-                      std::uint64_t triangle_count) {
+clbvh::OptimizeBudget to_budget(const clbvh_budget* given) {
+    clbvh::OptimizeBudget result;
+    if (given == nullptr) return result;
+    require(given->size >= sizeof(clbvh_budget), "clbvh_budget.size is not set to sizeof(clbvh_budget)");
+    require(given->milliseconds >= 0.0, "clbvh_budget.milliseconds is negative or not a number");
+    result.passes = given->passes;
+    result.milliseconds = given->milliseconds;
+    if (given->progress != nullptr) {
+        result.progress = [callback = given->progress, user = given->progress_user](const clbvh::Progress& progress) {
+            return report(callback, user, progress);
+        };
+    }
+    return result;
+}
+
+void copy_mesh(const float* vertices, std::uint64_t vertex_count, const std::uint32_t* triangles,
+               std::uint64_t triangle_count, clbvh::Mesh& mesh) {
     require(vertices != nullptr || vertex_count == 0, "vertices is null");
     require(triangles != nullptr || triangle_count == 0, "triangles is null");
     static_assert(sizeof(clbvh::Vec3) == 3 * sizeof(float) && sizeof(clbvh::Triangle) == 3 * sizeof(std::uint32_t));
-    clbvh::Mesh mesh;
+    mesh.vertices.resize(vertex_count);
     if (vertex_count > 0) {
-        mesh.vertices.resize(vertex_count);
         std::memcpy(static_cast<void*>(mesh.vertices.data()), vertices, vertex_count * sizeof(clbvh::Vec3));
     }
+    mesh.triangles.resize(triangle_count);
     if (triangle_count > 0) {
-        mesh.triangles.resize(triangle_count);
         std::memcpy(mesh.triangles.data(), triangles, triangle_count * sizeof(clbvh::Triangle));
     }
-    return mesh;
 }
 
 clbvh::Builder make_builder(const char* id, const char* device, const clbvh::BuildOptions& options) {
     if (clbvh::find_builder(id).kind == clbvh::BuilderKind::host) return clbvh::Builder(id, options);
     clbvh::check_options(options);  // before a device is opened
+    clbvh::check_optimizers(options.optimizers);
     return {id, clbvh::Context::open(device != nullptr ? device : ""), options};
 }
 
@@ -143,7 +177,7 @@ clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh
         *builder = nullptr;
         require(id != nullptr, "id is null");
         const clbvh::BuildOptions build_options = to_build_options(options);
-        *builder = new clbvh_builder{make_builder(id, device, build_options), {}};
+        *builder = new clbvh_builder{make_builder(id, device, build_options), {}, false, {}, {}};
     });
 }
 
@@ -155,8 +189,49 @@ clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t 
                         uint64_t triangle_count) {
     return guarded([&] {
         require(builder != nullptr, "builder is null");
+        builder->refitter.reset();
         builder->bvh = {};
-        builder->bvh = builder->builder.build(copy_mesh(vertices, vertex_count, triangles, triangle_count));
+        builder->has_tree = false;
+        clbvh::Mesh mesh;
+        copy_mesh(vertices, vertex_count, triangles, triangle_count, mesh);
+        builder->bvh = builder->builder.build(mesh);
+        builder->has_tree = true;
+    });
+}
+
+clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_budget* budget,
+                           clbvh_optimize_stats* stats) {
+    return guarded([&] {
+        require_tree(builder);
+        require(ids != nullptr, "ids is null");
+        require(stats == nullptr || stats->size >= sizeof(*stats),
+                "clbvh_optimize_stats.size is not set to sizeof(clbvh_optimize_stats)");
+        clbvh::OptimizeStats done;
+        clbvh::Bvh better = clbvh::optimize(builder->bvh, ids, to_budget(budget), &done);
+        if (stats != nullptr) {
+            *stats = {stats->size,
+                      done.passes,
+                      done.changes,
+                      done.milliseconds,
+                      clbvh::sah_cost(builder->bvh),
+                      clbvh::sah_cost(better),
+                      done.is_cancelled ? 1u : 0u,
+                      0};
+        }
+        builder->refitter.reset();
+        builder->bvh = std::move(better);
+    });
+}
+
+clbvh_error clbvh_refit(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
+                        uint64_t triangle_count, double* sah_before, double* sah_after) {
+    return guarded([&] {
+        require_tree(builder);
+        copy_mesh(vertices, vertex_count, triangles, triangle_count, builder->moved);
+        if (!builder->refitter) builder->refitter.emplace(builder->bvh);
+        const clbvh::RefitStats stats = builder->refitter->refit(builder->bvh, builder->moved);
+        if (sah_before != nullptr) *sah_before = stats.sah_before;
+        if (sah_after != nullptr) *sah_after = stats.sah_after;
     });
 }
 

@@ -5,6 +5,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/presets.hpp"
 #include "device/caller_input.hpp"
 #include "device/pipeline.hpp"
 #include "optimizer_rows.hpp"
@@ -31,9 +32,9 @@ const BuilderRow& device_row(std::string_view id, const BuildOptions& options) {
 
 struct DeviceBuilder::State {
     State(std::string_view builder_id, Context chosen_context, const BuildOptions& chosen_options)
-        : row(device_row(builder_id, chosen_options)),
+        : options(with_preset(builder_id, chosen_options)),
+          row(device_row(builder_id, options)),
           context(std::move(chosen_context)),
-          options(chosen_options),
           settings(device::prepare_pipeline(context.session(), *row.device_algorithm, options)),
           optimizers(make_optimizer_chain(context.session(), options)),
           alignment(device::view_alignment(context.session())) {}
@@ -62,9 +63,9 @@ struct DeviceBuilder::State {
     device::CallerBuild check(const DeviceInput& input, const DeviceSpan& scratch, const DeviceResult& result) const;
     void launch_optimizers(device::Launcher& launcher, const device::CallerBuild& build) const;
 
+    BuildOptions options;
     const BuilderRow& row;
     Context context;
-    BuildOptions options;
     device::BuildSettings settings;
     device::OptimizerChain optimizers;
     std::uint64_t alignment;

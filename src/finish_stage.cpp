@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "clbvh/optimizers.hpp"
 #include "host/collapse.hpp"
 #include "host/host_stages.hpp"
+#include "optimizer_rows.hpp"
 
 namespace clbvh {
 namespace {
@@ -41,6 +41,7 @@ void FinishStage::optimize(Bvh& tree, host::HostStages& stages, double begin) co
         ids.remove_prefix(std::min(id.size() + 1, ids.size()));
         stages.begin(id, begin, 0.95, kWork);
         OptimizeBudget budget;
+        budget.passes = options_.optimize_passes;
         std::uint64_t done = 0;
         // Cancels by an exception, as every stage of a build does.
         budget.progress = [&](const Progress& progress) {
@@ -49,7 +50,7 @@ void FinishStage::optimize(Bvh& tree, host::HostStages& stages, double begin) co
             done = std::max(done, now);
             return true;
         };
-        tree = clbvh::optimize(std::move(tree), id, budget);
+        tree = run_optimizer(std::move(tree), id, budget);
     }
 }
 

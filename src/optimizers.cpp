@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "clbvh/optimize/rebuild.hpp"
 #include "clbvh/optimize/reinsert.hpp"
 #include "clbvh/optimize/rotate.hpp"
 #include "clbvh/optimize/treelet.hpp"
@@ -45,6 +46,16 @@ const OptimizerRow kRows[] = {
          return restructure_treelets(std::move(tree), within<TreeletConfig>(budget), &stats);
      },
      &device::kTreelet},
+    {{"treelet-split", "The same, after the triangles that have most to gain were split: a quota of 30 % more",
+      "Karras, Aila 2013", true},
+     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
+         return restructure_treelets(std::move(tree), within<TreeletConfig>(budget), &stats);
+     }},
+    {{"rebuild", "Subtrees are built anew by sweep SAH where that is cheaper: for scanned surfaces, before reinsert",
+      "Yoon, Curtis, Manocha 2007"},
+     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
+         return rebuild(std::move(tree), within<RebuildConfig>(budget), &stats);
+     }},
     {{"rotate", "Hill climbing by tree rotations", "Kensler 2008"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
          return rotate(std::move(tree), within<RotateConfig>(budget), &stats);
@@ -54,6 +65,9 @@ const OptimizerRow kRows[] = {
          return anneal(std::move(tree), within<AnnealConfig>(budget), &stats);
      }},
 };
+
+/// Splits a triangle of optimisers that split first (Karras, Aila 2013, section 5).
+constexpr float kSplitQuota = 0.3f;
 
 const OptimizerRow& find_row(std::string_view id) {
     const auto row = std::ranges::find(kRows, id, [](const OptimizerRow& r) { return r.info.id; });
@@ -76,6 +90,14 @@ std::vector<const OptimizerRow*> find_rows(std::string_view ids) {
     return rows;
 }
 
+[[noreturn]] void refuse_finished_tree(std::string_view id) {
+    throw Error(
+        ErrorCode::invalid_input,
+        std::string(id) + " splits triangles before a tree is built, for which this one is finished: build with " +
+            "it (BuildOptions::optimizers, --optimize), or with BuildOptions::split_quota (--split-quota), and " +
+            "give that tree to treelet");
+}
+
 }  // namespace
 
 std::span<const OptimizerInfo> optimizers() noexcept {
@@ -92,6 +114,24 @@ std::span<const OptimizerInfo> optimizers() noexcept {
 
 const OptimizerInfo& find_optimizer(std::string_view id) {
     return optimizers()[static_cast<std::size_t>(&find_row(id) - kRows)];
+}
+
+Bvh run_optimizer(Bvh tree, std::string_view id, const OptimizeBudget& budget, OptimizeStats* stats) {
+    OptimizeStats unused;
+    return find_row(id).run(std::move(tree), budget, stats != nullptr ? *stats : unused);
+}
+
+BuildOptions with_split_of_optimizers(BuildOptions options) {
+    for (const OptimizerRow* row : find_rows(options.optimizers)) {
+        if (!row->info.splits_first) continue;
+        if (options.presplit_level > 0) {
+            throw Error(ErrorCode::invalid_input, std::string(row->info.id) +
+                                                      " splits triangles by split_quota: leave presplit_level alone, "
+                                                      "or take treelet");
+        }
+        if (options.split_quota == 0.0f) options.split_quota = kSplitQuota;
+    }
+    return options;
 }
 
 void check_optimizers(std::string_view ids) {
@@ -114,12 +154,17 @@ device::OptimizerChain make_optimizer_chain(device::Session& session, const Buil
     if (options.optimizers.empty()) return {};
     DeviceOptimizerOptions device_options;
     device_options.shape = options.shape;
+    device_options.passes = options.optimize_passes;
     return {session, find_device_optimizers(options.optimizers), device_options};
 }
 
 Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget, OptimizeStats* stats) {
+    const std::vector<const OptimizerRow*> rows = find_rows(ids);
+    for (const OptimizerRow* row : rows) {
+        if (row->info.splits_first) refuse_finished_tree(row->info.id);
+    }
     OptimizeStats sums;
-    for (const OptimizerRow* row : find_rows(ids)) {
+    for (const OptimizerRow* row : rows) {
         OptimizeStats of_row;
         tree = row->run(std::move(tree), budget, of_row);
         sums.passes += of_row.passes;

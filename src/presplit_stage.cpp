@@ -3,14 +3,20 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "host/quota_split.hpp"
+
 namespace clbvh {
 
 void PresplitStage::run(const Mesh& mesh, double end) {
-    PresplitConfig config;
-    config.level = options_.presplit_level;
     host::HostStages stages(options_.progress);
     stages.begin("presplit", 0.0, end, mesh.triangles.size());
-    host::presplit(mesh, config, stages, parts_);
+    if (options_.split_quota > 0.0f) {
+        host::split_to_quota(mesh, options_.split_quota, stages, parts_);
+    } else {
+        PresplitConfig config;
+        config.level = options_.presplit_level;
+        host::presplit(mesh, config, stages, parts_);
+    }
     if (row_.clips_triangles) {
         triangles_.vertices = mesh.vertices;
         triangles_.triangles.resize(parts_.source.size());

@@ -9,7 +9,8 @@
 
 namespace clbvh {
 
-/// The stage before any builder: triangles with bad edges are split, and their parts built over.
+/// The stage before any builder: triangles with bad edges, or with boxes that have most to lose, are split, and their
+/// parts built over.
 class PresplitStage {
 public:
     PresplitStage(const BuilderRow& row, const BuildOptions& options) : row_(row), options_(options) {}

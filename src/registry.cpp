@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "clbvh/presets.hpp"
 #include "host/aac.hpp"
 #include "host/binned_sah.hpp"
 #include "host/locally_ordered.hpp"
@@ -132,11 +133,16 @@ std::span<const BuilderInfo> builders() noexcept {
 }
 
 const BuilderRow& find_builder_row(std::string_view id) {
-    const auto row = std::ranges::find(kRows, id, [](const BuilderRow& r) { return r.info.id; });
+    const PresetInfo* const preset = find_preset(id);
+    const std::string_view builder = preset == nullptr ? id : preset->builder;
+    const auto row = std::ranges::find(kRows, builder, [](const BuilderRow& r) { return r.info.id; });
     if (row == std::end(kRows)) {
         std::string known;
         for (const BuilderRow& r : kRows) {
             known += (known.empty() ? "" : ", ") + std::string(r.info.id);
+        }
+        for (const PresetInfo& p : presets()) {
+            known += ", " + std::string(p.id);
         }
         throw Error(ErrorCode::invalid_input, "unknown builder '" + std::string(id) + "'; known are: " + known);
     }

@@ -202,3 +202,146 @@ TEST_CASE("host builders take their options through the C interface, and callers
     CHECK(clbvh_create_builder("binned-sah", nullptr, &options, &builder) == CLBVH_INVALID_INPUT);
     CHECK_THAT(clbvh_last_error(), Catch::Contains("bin_count is 65"));
 }
+
+namespace {
+
+clbvh::Bvh tree_of(const clbvh_builder* builder, std::uint64_t primitives) {
+    clbvh::Bvh tree;
+    std::uint64_t count = 0;
+    const clbvh_node* nodes = clbvh_nodes(builder, &count);
+    tree.nodes.resize(count);
+    if (count > 0) std::memcpy(static_cast<void*>(tree.nodes.data()), nodes, count * sizeof(clbvh_node));
+    const std::uint32_t* ids = clbvh_primitive_ids(builder, &count);
+    tree.primitive_ids.assign(ids, ids + count);
+    tree.primitive_count = primitives;
+    tree.split_references = clbvh_has_split_references(builder) != 0;
+    return tree;
+}
+
+clbvh_error refit(clbvh_builder* builder, const Mesh& mesh, double* before, double* after) {
+    return clbvh_refit(builder, &mesh.vertices.data()->x, mesh.vertices.size(), mesh.triangles.data()->data(),
+                       mesh.triangles.size(), before, after);
+}
+
+int count_and_stop(void* user, const char*, double) {
+    return --*static_cast<int*>(user) > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+TEST_CASE("builds through the C interface run optimizers and split by a quota") {
+    const Mesh mesh = clbvh::generate_scene("hair", 3000);
+    for (const char* const ids : {"reinsert", "treelet-split"}) {
+        clbvh_options options;
+        clbvh_default_options(&options, sizeof options);
+        CHECK(options.optimizers == nullptr);
+        CHECK(options.split_quota == 0.0f);
+        std::string copied(ids);
+        options.optimizers = copied.c_str();
+        options.split_quota = 0.2f;
+        CBuilder c;
+        REQUIRE(clbvh_create_builder("binned-sah", nullptr, &options, &c.handle) == CLBVH_OK);
+        copied.assign(copied.size(), '?');
+        REQUIRE(build(c.handle, mesh) == CLBVH_OK);
+        clbvh::BuildOptions same;
+        same.optimizers = ids;
+        same.split_quota = 0.2f;
+        const clbvh::Bvh expected = clbvh::build(mesh, "binned-sah", same);
+        CHECK(tree_of(c.handle, 3000).nodes == expected.nodes);
+        CHECK(clbvh_has_split_references(c.handle) == 1);
+    }
+    clbvh_options options;
+    clbvh_default_options(&options, sizeof options);
+    options.optimizers = "reinzert";
+    CBuilder c;
+    CHECK(clbvh_create_builder("lbvh", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("reinzert"));
+}
+
+TEST_CASE("a finished tree is improved through the C interface, within a budget") {
+    const Mesh mesh = clbvh::generate_scene("city", 5000);
+    CBuilder c;
+    REQUIRE(clbvh_create_builder("median", nullptr, nullptr, &c.handle) == CLBVH_OK);
+    CHECK(clbvh_optimize(c.handle, "reinsert", nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("clbvh_build"));
+    REQUIRE(build(c.handle, mesh) == CLBVH_OK);
+    const clbvh::Bvh plain = tree_of(c.handle, 5000);
+
+    clbvh_optimize_stats stats{};
+    stats.size = sizeof stats;
+    clbvh_budget budget{};
+    budget.size = sizeof budget;
+    budget.passes = 2;
+    REQUIRE(clbvh_optimize(c.handle, "rotate,reinsert", &budget, &stats) == CLBVH_OK);
+    clbvh::OptimizeBudget same;
+    same.passes = 2;
+    const clbvh::Bvh expected = clbvh::optimize(plain, "rotate,reinsert", same);
+    const clbvh::Bvh better = tree_of(c.handle, 5000);
+    CHECK(better.nodes == expected.nodes);
+    CHECK(stats.passes == 4);
+    CHECK(stats.changes > 0);
+    CHECK(stats.is_cancelled == 0);
+    CHECK(stats.sah_before == clbvh::sah_cost(plain));
+    CHECK(stats.sah_after == clbvh::sah_cost(better));
+    CHECK(stats.sah_after < stats.sah_before);
+
+    int calls = 1;
+    budget.passes = 0;
+    budget.progress = count_and_stop;
+    budget.progress_user = &calls;
+    CHECK(clbvh_optimize(c.handle, "rotate", &budget, &stats) == CLBVH_OK);
+    CHECK(stats.is_cancelled == 1);
+    CHECK(clbvh::validate(tree_of(c.handle, 5000), mesh).error == "");
+
+    const clbvh::Bvh last = tree_of(c.handle, 5000);
+    budget.size = 0;
+    CHECK(clbvh_optimize(c.handle, "rotate", &budget, nullptr) == CLBVH_INVALID_INPUT);
+    stats.size = 0;
+    CHECK(clbvh_optimize(c.handle, "rotate", nullptr, &stats) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_optimize(c.handle, "rotated", nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_optimize(c.handle, nullptr, nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_optimize(nullptr, "rotate", nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_optimize(c.handle, "treelet-split", nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("split_quota"));
+    CHECK(tree_of(c.handle, 5000).nodes == last.nodes);
+    CHECK(clbvh_optimize(c.handle, "reinsert", nullptr, nullptr) == CLBVH_OK);
+}
+
+TEST_CASE("a tree follows a mesh that moves through the C interface") {
+    Mesh mesh = clbvh::generate_scene("clustered", 3000);
+    CBuilder c;
+    REQUIRE(clbvh_create_builder("sweep-sah", nullptr, nullptr, &c.handle) == CLBVH_OK);
+    CHECK(refit(c.handle, mesh, nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    REQUIRE(build(c.handle, mesh) == CLBVH_OK);
+    double last = clbvh::sah_cost(tree_of(c.handle, 3000));
+    for (int frame = 0; frame < 3; ++frame) {
+        for (clbvh::Vec3& vertex : mesh.vertices)
+            vertex.x += 0.3f * vertex.y;
+        double before = 0.0;
+        double after = 0.0;
+        REQUIRE(refit(c.handle, mesh, &before, &after) == CLBVH_OK);
+        const clbvh::Bvh tree = tree_of(c.handle, 3000);
+        CHECK(clbvh::validate(tree, mesh).error == "");
+        CHECK(before == Approx(last));
+        last = clbvh::sah_cost(tree);
+        CHECK(after == Approx(last));
+        if (frame == 1) CHECK(clbvh_optimize(c.handle, "rotate", nullptr, nullptr) == CLBVH_OK);
+        last = clbvh::sah_cost(tree_of(c.handle, 3000));
+    }
+    const clbvh::Bvh tree = tree_of(c.handle, 3000);
+    CHECK(refit(c.handle, clbvh::generate_scene("clustered", 2999), nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("2999 triangles"));
+    CHECK(clbvh_refit(c.handle, nullptr, 3, nullptr, 0, nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    CHECK(tree_of(c.handle, 3000).nodes == tree.nodes);
+    CHECK(refit(c.handle, mesh, nullptr, nullptr) == CLBVH_OK);
+}
+
+TEST_CASE("callers of older layouts of the C interface keep their defaults") {
+    clbvh_options options;
+    clbvh_default_options(&options, sizeof options);
+    options.optimizers = "unknown";
+    options.split_quota = 9.0f;
+    options.size = offsetof(clbvh_options, optimizers);
+    CBuilder c;
+    CHECK(clbvh_create_builder("median", nullptr, &options, &c.handle) == CLBVH_OK);
+}

@@ -241,6 +241,9 @@ TEST_CASE("device builder: builders of the host and work of the host are refused
     options.presplit_level = 14;
     expect_error(ErrorCode::unsupported, {"presplit_level"}, [&] { (void)make_device_builder("lbvh", options); });
     options = {};
+    options.split_quota = 0.3f;
+    expect_error(ErrorCode::unsupported, {"split_quota"}, [&] { (void)make_device_builder("lbvh", options); });
+    options = {};
     options.search_radius = 33;
     expect_error(ErrorCode::invalid_input, {"search_radius"}, [&] { (void)make_device_builder("ploc", options); });
 }

@@ -30,6 +30,13 @@ OptimizeBudget short_budget() {
     return budget;
 }
 
+/// Those that take a finished tree.
+std::vector<OptimizerInfo> tree_optimizers() {
+    std::vector<OptimizerInfo> list(optimizers().begin(), optimizers().end());
+    std::erase_if(list, [](const OptimizerInfo& info) { return info.splits_first; });
+    return list;
+}
+
 bool is_no_dearer(double cost, double than) {
     return cost <= than * (1.0 + 1e-12);
 }
@@ -62,7 +69,7 @@ TEST_CASE("optimizers: every one improves the tree of every builder, on every ge
         const Mesh mesh = generate_scene(scene.name, 1500);
         for (const BuilderInfo& builder : builders()) {
             const Bvh tree = make_builder(builder.id).build(mesh);
-            for (const OptimizerInfo& optimizer : optimizers()) {
+            for (const OptimizerInfo& optimizer : tree_optimizers()) {
                 const std::string where = std::string(builder.id) + ", " + std::string(scene.name);
                 if (!expect_improved(optimizer.id, tree, mesh, where)) return;
             }
@@ -73,7 +80,7 @@ TEST_CASE("optimizers: every one improves the tree of every builder, on every ge
 TEST_CASE("optimizers: trees of a Morton order become much better") {
     const Mesh mesh = generate_scene("clustered", 20000);
     const Bvh tree = make_builder("lbvh").build(mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         CHECK(sah_cost(optimize(tree, optimizer.id, short_budget())) < 0.95 * sah_cost(tree));
     }
@@ -84,7 +91,7 @@ TEST_CASE("optimizers: small trees, inactive triangles, none at all") {
         Mesh mesh = random_triangles(count);
         if (count > 4) deactivate_triangles(mesh, 1, 3);
         for (const char* const builder : {"lbvh", "sweep-sah"}) {
-            for (const OptimizerInfo& optimizer : optimizers())
+            for (const OptimizerInfo& optimizer : tree_optimizers())
                 expect_improved(optimizer.id, make_builder(builder).build(mesh), mesh, std::to_string(count));
         }
     }
@@ -97,7 +104,7 @@ TEST_CASE("optimizers: equal boxes, boxes without area and hard sets of boxes en
         meshes.emplace_back(set.name, mesh_of_boxes(set.boxes));
     for (const auto& [name, mesh] : meshes) {
         const Bvh tree = make_builder("plocpp").build(mesh);
-        for (const OptimizerInfo& optimizer : optimizers())
+        for (const OptimizerInfo& optimizer : tree_optimizers())
             expect_improved(optimizer.id, tree, mesh, name);
     }
 }
@@ -106,13 +113,13 @@ TEST_CASE("optimizers: a tree that is a chain of a thousand nodes is no obstacle
     const Mesh mesh = random_triangles(1001);
     const Bvh tree = chain_tree(mesh);
     REQUIRE(validate(tree, mesh).depth == 1000);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         expect_improved(optimizer.id, tree, mesh, "a chain");
         CHECK(sah_cost(optimize(tree, optimizer.id, short_budget())) < 0.8 * sah_cost(tree));
     }
     const Mesh long_mesh = coincident_triangles(100000);
     const Bvh long_tree = chain_tree(long_mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         OptimizeBudget budget;
         budget.passes = 2;
@@ -125,7 +132,7 @@ TEST_CASE("optimizers: slots that no node uses may hold anything, and stay") {
     const Bvh tight = make_builder("lbvh").build(mesh);
     const Bvh tree = with_strays(tight);
     REQUIRE(validate(tree, mesh).error == "");
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         const Bvh better = optimize(tree, optimizer.id, short_budget());
         CHECK(validate(better, mesh).error == "");
@@ -136,7 +143,7 @@ TEST_CASE("optimizers: slots that no node uses may hold anything, and stay") {
 TEST_CASE("optimizers: the same bytes on one thread and on four, and again") {
     const Mesh mesh = generate_scene("city", 30000);
     const Bvh tree = make_builder("lbvh").build(mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         const Bvh one = on_threads(1, optimizer.id, tree);
         CHECK(same_bytes(one, on_threads(4, optimizer.id, tree)));
@@ -148,7 +155,7 @@ TEST_CASE("optimizers: the same bytes on one thread and on four, and again") {
 TEST_CASE("optimizers: passes and time are kept to") {
     const Mesh mesh = generate_scene("city", 20000);
     const Bvh tree = make_builder("lbvh").build(mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         INFO(optimizer.id);
         OptimizeStats stats;
         OptimizeBudget one_pass;
@@ -167,7 +174,7 @@ TEST_CASE("optimizers: passes and time are kept to") {
 TEST_CASE("optimizers: whenever they are cancelled, the tree is valid and no dearer") {
     const Mesh mesh = generate_scene("city", 5000);
     const Bvh tree = make_builder("lbvh").build(mesh);
-    for (const OptimizerInfo& optimizer : optimizers()) {
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
         for (const int calls : {0, 1, 2, 5}) {
             INFO(optimizer.id << " after " << calls << " calls");
             int left = calls;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "ray_cost.hpp"
+#include "both_ways.hpp"
 #include "ray_engine.hpp"
 
 namespace clbvh::tool {
@@ -13,21 +13,23 @@ void bench_rays(std::span<BuildResult> results, std::span<const std::unique_ptr<
                 const Mesh& mesh, const Camera& camera, std::size_t runs, std::uint32_t threads,
                 RoundsProgress& progress) {
     std::vector<std::unique_ptr<RayEngine>> engines;
-    std::vector<RayEntrant> traced;
+    BothWays traced;
     std::vector<BuildResult*> results_of;
     for (std::size_t i = 0; i < entrants.size(); ++i) {
         if (!results[i].has_tree || !results[i].valid.value_or(true)) continue;
         engines.push_back(make_host_engine(entrants[i]->tree().value(), mesh, {TriangleTest::watertight, threads}));
-        traced.push_back({results[i].builder, engines.back().get()});
+        traced.add(results[i].builder, *engines.back());
         results_of.push_back(&results[i]);
     }
-    if (traced.empty()) return;
+    if (engines.empty()) return;
     const RaySet set{RayKind::diffuse, make_rays(RayKind::diffuse, mesh, closest_hits_of(*engines.front()), camera,
                                                  {std::uint64_t{1} << 18, 1})};
     if (set.rays.empty()) return;
-    const std::vector<RayCost> costs = measure_rays(traced, set, runs, progress);
-    for (std::size_t i = 0; i < costs.size(); ++i)
-        results_of[i]->rays = costs[i];
+    traced.measure(set, runs, progress);
+    for (std::size_t i = 0; i < results_of.size(); ++i) {
+        results_of[i]->rays = traced.cost(i);
+        results_of[i]->binary_ns_per_ray = traced.binary_cost(i).ns_per_ray();
+    }
 }
 
 }  // namespace clbvh::tool

@@ -104,6 +104,7 @@ std::vector<Column<BuildResult>> scene_columns(const Comparison& comparison) {
     columns.push_back({"prims/leaf", of_tree([](Result r) { return fixed_text(r.primitives_per_leaf(), 2); })});
     if (comparison.traced()) {
         columns.push_back({"ns/ray", of_rays([](const RayCost& rays) { return fixed_text(rays.ns_per_ray(), 1); })});
+        columns.push_back({"binary", [](Result r) { return r.rays ? fixed_text(r.binary_ns_per_ray, 1) : "-"; }});
         columns.push_back(
             {"steps/ray", of_rays([](const RayCost& rays) { return fixed_text(rays.steps_per_ray(), 1); })});
     }

@@ -16,6 +16,7 @@ constexpr const char* kDevice = "Device builders";
 constexpr const char* kTuning = "Tuning of device builders";
 constexpr const char* kHploc = "H-PLOC";
 constexpr const char* kPaperPresplitLevel = "14";
+constexpr const char* kPaperSplitQuota = "0.3";
 constexpr const char* kForBuilding = ", for building; reported SAH is always at 1.2 and 1.0";
 
 /// CLI11 takes an empty word for 0.
@@ -84,6 +85,9 @@ void BuildArguments::add_tree_options(CLI::App& command) {
                     "merged; see clbvh builders")
         ->group(kTree)
         ->type_name("A,B,C");
+    add_number(command, "--optimize-passes", &BuildOptions::optimize_passes,
+               "Most passes of each optimizer; 0: as many as it finds worth while")
+        ->group(kTree);
     add_choice(command, "--optimize-on", options.optimize_on, {OptimizeOn::host, OptimizeOn::device}, optimize_on_from,
                "Where they run; those that clbvh builders lists for devices run on the one that built the tree")
         ->group(kTree);
@@ -99,6 +103,13 @@ void BuildArguments::add_tree_options(CLI::App& command) {
         ->type_name("[LEVEL]")
         ->expected(0, 1)
         ->default_str(kPaperPresplitLevel);
+    add_number(command, "--split-quota", &BuildOptions::split_quota,
+               "Split the triangles whose boxes have most surface to lose, so many times a triangle in all, above 0 to "
+               "4; off unless given")
+        ->group(kTree)
+        ->type_name("[QUOTA]")
+        ->expected(0, 1)
+        ->default_str(kPaperSplitQuota);
     add_number(command, "--inner-cost", &BuildOptions::inner_cost,
                std::string("SAH cost of visiting an inner node") + kForBuilding)
         ->group(kTree);

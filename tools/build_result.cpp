@@ -71,7 +71,7 @@ void summarize_runs(BuildResult& result, std::span<const BuildStats> runs) {
 }
 
 void describe_builder(BuildResult& result, const Builder& builder) {
-    result.builder = builder.info().id;
+    result.builder = builder.id();
     result.kind = builder.info().kind;
     if (result.kind == BuilderKind::host) result.threads = host_threads(builder.options());
     result.shape = builder.shape();

@@ -54,7 +54,8 @@ struct BuildResult {
     std::optional<Sample> native_sort_ms;  ///< Sorting as many keys as there are triangles, in the same rounds.
     std::optional<Sample> copy_gb_per_s;   ///< Read and written by a copy on the device, in the same rounds.
     std::optional<SweptValue> sweep;
-    std::optional<RayCost> rays;  ///< Of diffuse rays through the last tree, traced on the host.
+    std::optional<RayCost> rays;     ///< Of diffuse rays through the last tree, traced on the host.
+    double binary_ns_per_ray = 0.0;  ///< Of the same through the tree's own nodes, two children at a time.
 
     [[nodiscard]] double mtris_per_s() const;
     [[nodiscard]] double peak_bytes_per_primitive() const;

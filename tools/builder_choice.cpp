@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
+#include <clbvh/presets.hpp>
 #include <string>
 
 namespace clbvh::tool {
@@ -11,11 +12,11 @@ bool runs_on_device(std::string_view id) {
     return find_builder(id).kind == BuilderKind::device;
 }
 
-const BuilderInfo& require_id_or_group(std::string_view word) {
+void require_id_or_group(std::string_view word) {
     try {
-        return require_builder(word);
+        static_cast<void>(require_builder(word));
     } catch (const Error& error) {
-        throw Error(error.code(), std::string(error.what()) + "; groups are: all, host, device");
+        throw Error(error.code(), std::string(error.what()) + "; groups are: all, host, device, presets");
     }
 }
 
@@ -35,11 +36,12 @@ public:
                 }
             }
             needs_device_ = needs_device_ || word == "device";
+        } else if (word == "presets") {
+            for (const PresetInfo& preset : presets())
+                name_id(preset.id);
         } else {
-            const BuilderInfo& builder = require_id_or_group(word);
-            add_id(builder.id);
-            named_ids_.emplace_back(builder.id);
-            needs_device_ = needs_device_ || builder.kind == BuilderKind::device;
+            require_id_or_group(word);
+            name_id(word);
         }
     }
     [[nodiscard]] const std::vector<std::string>& ids() const { return ids_; }
@@ -47,6 +49,11 @@ public:
     [[nodiscard]] bool needs_device() const { return needs_device_; }
 
 private:
+    void name_id(std::string_view id) {
+        add_id(id);
+        named_ids_.emplace_back(id);
+        needs_device_ = needs_device_ || runs_on_device(id);
+    }
     void add_id(std::string_view id) {
         if (std::find(ids_.begin(), ids_.end(), id) == ids_.end()) ids_.emplace_back(id);
     }

@@ -18,11 +18,11 @@ struct BuilderChoice {
     std::string reason;                        ///< Why they cannot.
 };
 
-/// Resolves a list of ids and groups with commas, and spaces where liked, between them. The groups are "all", "host"
-/// and "device".
+/// Resolves a list of ids, of builders or presets, and groups with commas, and spaces where liked, between them. The
+/// groups are "all", "host" and "device" builders, and "presets".
 ///
 /// Device builders that only "all" asks for are left out where no device can be had; where one is asked for by its id,
-/// by "device" or by a `device` selector, that is an error. Throws what require_builder and Context::open
+/// by "device", "presets" or by a `device` selector, that is an error. Throws what require_builder and Context::open
 /// throw; where no device was selected and none can be had, the message ends with `way_out`.
 [[nodiscard]] BuilderChoice choose_builders(std::string_view list, std::string_view device, std::string_view way_out);
 

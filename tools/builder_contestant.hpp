@@ -11,7 +11,7 @@ class BuilderContestant final : public TreeContestant {
 public:
     BuilderContestant(Builder builder, const Mesh& mesh) : builder_(std::move(builder)) { builder_.upload(mesh); }
 
-    [[nodiscard]] std::string_view name() const override { return builder_.info().id; }
+    [[nodiscard]] std::string_view name() const override { return builder_.id(); }
     [[nodiscard]] BuildResult result() const override {
         BuildResult result;
         describe_builder(result, builder_);

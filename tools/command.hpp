@@ -20,5 +20,6 @@ Command add_tune_command(CLI::App& app);
 Command add_trace_command(CLI::App& app);
 Command add_render_command(CLI::App& app);
 Command add_metrics_command(CLI::App& app);
+Command add_table_command(CLI::App& app);
 
 }  // namespace clbvh::tool

@@ -128,7 +128,7 @@ private:
 
     [[nodiscard]] std::string peers_note() const {
         const BuildOptions& options = arguments_.build.options;
-        const bool is_unequal = options.presplit_level > 0 || !options.optimizers.empty();
+        const bool is_unequal = options.presplit_level > 0 || options.split_quota > 0.0f || !options.optimizers.empty();
         return arguments_.peers && is_unequal ? "Embree's builders ran without presplitting and optimizers\n" : "";
     }
 
@@ -185,7 +185,7 @@ Command add_bench_command(CLI::App& app) {
     command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
     command
         ->add_option("--builders", arguments->builders,
-                     "Ids or groups (all, host, device) with commas between them; see clbvh builders")
+                     "Ids or groups (all, host, device, presets) with commas between them; see clbvh builders")
         ->type_name("A,B,C")
         ->capture_default_str();
     command->add_flag(

@@ -103,7 +103,9 @@ Command add_build_command(CLI::App& app) {
         "first\nlaunch, and memory is slower when it is first touched.");
     auto arguments = std::make_shared<Arguments>();
     command->add_option("scene", arguments->scene, kSceneHelp)->type_name("SCENE")->required();
-    command->add_option("--builder", arguments->builder, "See clbvh builders")->type_name("ID")->capture_default_str();
+    command->add_option("--builder", arguments->builder, "A builder or a preset; see clbvh builders")
+        ->type_name("ID")
+        ->capture_default_str();
     arguments->loading.add_options(*command);
     arguments->build.add_options(*command);
     command->add_option("-o,--output", arguments->output, "Write the tree to this file")

@@ -3,6 +3,7 @@
 #include <clbvh/core/error.hpp>
 #include <clbvh/device/device.hpp>
 #include <clbvh/optimizers.hpp>
+#include <clbvh/presets.hpp>
 #include <clbvh/registry.hpp>
 #include <memory>
 #include <string>
@@ -32,6 +33,17 @@ std::string radius_text(const BuilderInfo& builder) {
     return reads_search_radius(builder, {}) ? "yes" : "in a window";
 }
 
+bool runs_on_host(std::string_view id) {
+    return find_builder(id).kind == BuilderKind::host;
+}
+
+std::string dash_unless(std::string_view value) {
+    return std::string(value.empty() ? "-" : value);
+}
+std::string dash_unless(std::uint32_t value) {
+    return value == 0 ? "-" : std::to_string(value);
+}
+
 int list(const JsonOutput& json) {
     json.require_writable();
     const std::string missing = missing_device();
@@ -57,20 +69,35 @@ int list(const JsonOutput& json) {
         optimizer_entries.push_back({{"id", optimizer.id},
                                      {"title", optimizer.title},
                                      {"paper", optimizer.paper},
+                                     {"splits_first", optimizer.splits_first},
                                      {"on_device", optimizer.on_device}});
     }
+    Table preset_table({"preset", "builder", "optimizers", "passes", "max leaf", "title"}, Table::Align::left);
+    nlohmann::ordered_json preset_entries = nlohmann::ordered_json::array();
+    for (const PresetInfo& preset : presets()) {
+        preset_table.add_row({std::string(preset.id), std::string(preset.builder), dash_unless(preset.optimizers),
+                              dash_unless(preset.optimize_passes), dash_unless(preset.max_leaf_size),
+                              std::string(preset.title)});
+        preset_entries.push_back({{"id", preset.id},
+                                  {"title", preset.title},
+                                  {"builder", preset.builder},
+                                  {"optimizers", preset.optimizers},
+                                  {"optimize_passes", preset.optimize_passes},
+                                  {"max_leaf_size", preset.max_leaf_size},
+                                  {"available", runs_on_host(preset.id) || missing.empty()}});
+    }
     if (json.leaves_standard_output()) {
-        fmt::print("{}\n{}", table.text(), optimizer_table.text());
+        fmt::print("{}\n{}\n{}", preset_table.text(), table.text(), optimizer_table.text());
         if (!missing.empty()) fmt::print("\nWhat runs on a device is not available: {}\n", missing);
     }
-    json.write({{"builders", entries}, {"optimizers", optimizer_entries}});
+    json.write({{"builders", entries}, {"optimizers", optimizer_entries}, {"presets", preset_entries}});
     return kExitSuccess;
 }
 
 }  // namespace
 
 Command add_builders_command(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("builders", "List the builders, and what improves their trees");
+    CLI::App* command = app.add_subcommand("builders", "List the presets, the builders, and what improves their trees");
     auto json = std::make_shared<JsonOutput>();
     json->add_option(*command);
     return {command, [json] { return list(*json); }};

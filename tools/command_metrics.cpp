@@ -121,7 +121,7 @@ int run_metrics(const Arguments& arguments) {
 void add_measuring_options(CLI::App& command, Arguments& arguments) {
     command
         .add_option("--builders,--builder", arguments.builders,
-                    "Ids or groups (all, host, device) with commas between them; see clbvh builders")
+                    "Ids or groups (all, host, device, presets) with commas between them; see clbvh builders")
         ->type_name("A,B,C")
         ->capture_default_str();
     command.add_option("--runs", arguments.runs, "Timed rounds, after one that warms up, 1 to 1000")

@@ -116,7 +116,7 @@ Command add_trace_command(CLI::App& app) {
     command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
     command
         ->add_option("--builders,--builder", arguments->builders,
-                     "Ids or groups (all, host, device) with commas between them; see clbvh builders")
+                     "Ids or groups (all, host, device, presets) with commas between them; see clbvh builders")
         ->type_name("A,B,C")
         ->capture_default_str();
     command->add_option("--runs", arguments->runs, "Timed rounds, after one that warms up, 1 to 1000")

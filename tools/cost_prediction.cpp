@@ -22,18 +22,19 @@ struct Terms {
 constexpr std::array kAllTerms{Terms{CostTerms::sah, "SAH", "sah"}, Terms{CostTerms::sah_epo, "SAH+EPO", "sah_epo"},
                                Terms{CostTerms::sah_epo_lcv, "SAH+EPO+LCV", "sah_epo_lcv"}};
 
-constexpr const char* kNanoseconds = "ns_per_ray";
-constexpr const char* kBinaryNanoseconds = "binary_ns_per_ray";
+struct Measurement {
+    const char* name;  // in JSON
+    const char* title;
+};
 
-const char* title_of(const std::string& measurement) {
-    return measurement == kNanoseconds ? "ns/ray" : "binary";
-}
+constexpr std::array kMeasurements{Measurement{"ns_per_ray", "ns/ray"}, Measurement{"binary_ns_per_ray", "binary"},
+                                   Measurement{"device_ns_per_ray", "device"},
+                                   Measurement{"device_binary_ns_per_ray", "device, binary"},
+                                   Measurement{"cost_per_ray", "cost/ray"}};
 
-Prediction make_prediction(std::string scene, std::string measurement, std::vector<TreeCost> trees) {
-    Prediction prediction{std::move(scene), std::move(measurement), std::move(trees), {}};
-    std::ranges::transform(kAllTerms, prediction.fits.begin(),
-                           [&](const Terms& terms) { return fit_costs(prediction.trees, terms.terms); });
-    return prediction;
+std::string title_of(const std::string& measurement) {
+    const auto known = std::ranges::find(kMeasurements, measurement, &Measurement::name);
+    return known == kMeasurements.end() ? measurement : known->title;
 }
 
 /// One measurement over all scenes.
@@ -68,8 +69,8 @@ Pool make_pool(std::span<const Prediction> predictions, const char* measurement)
 /// Those over two scenes or more.
 std::vector<Pool> make_pools(std::span<const Prediction> predictions) {
     std::vector<Pool> pools;
-    for (const char* measurement : {kNanoseconds, kBinaryNanoseconds}) {
-        Pool pool = make_pool(predictions, measurement);
+    for (const Measurement& measurement : kMeasurements) {
+        Pool pool = make_pool(predictions, measurement.name);
         if (pool.scene_count >= 2) pools.push_back(std::move(pool));
     }
     return pools;
@@ -113,6 +114,13 @@ ordered_json pool_json(const Pool& pool) {
 
 }  // namespace
 
+Prediction predict(std::string scene, std::string measurement, std::vector<TreeCost> trees) {
+    Prediction prediction{std::move(scene), std::move(measurement), std::move(trees), {}};
+    std::ranges::transform(kAllTerms, prediction.fits.begin(),
+                           [&](const Terms& terms) { return fit_costs(prediction.trees, terms.terms); });
+    return prediction;
+}
+
 std::vector<Prediction> predict(std::span<const MetricsResult> of_scene) {
     if (of_scene.size() < kFewestPredicted) return {};
     const std::string& scene = of_scene.front().trace.scene;
@@ -122,8 +130,8 @@ std::vector<Prediction> predict(std::span<const MetricsResult> of_scene) {
         trees.push_back(result.cost(result.trace.cost.ns_per_ray()));
         binary_trees.push_back(result.cost(result.binary_ns_per_ray()));
     }
-    return {make_prediction(scene, kNanoseconds, std::move(trees)),
-            make_prediction(scene, kBinaryNanoseconds, std::move(binary_trees))};
+    return {predict(scene, "ns_per_ray", std::move(trees)),
+            predict(scene, "binary_ns_per_ray", std::move(binary_trees))};
 }
 
 std::string prediction_report(std::span<const Prediction> predictions) {

@@ -16,10 +16,13 @@ inline constexpr std::size_t kFewestPredicted = 4;
 /// How well SAH, SAH with EPO, and both with LCV predict one measurement over the trees of one scene.
 struct Prediction {
     std::string scene;
-    std::string measurement;      ///< "ns_per_ray" or "binary_ns_per_ray".
+    std::string measurement;      ///< Its field in JSON: "ns_per_ray", "binary_ns_per_ray", ...
     std::vector<TreeCost> trees;  ///< What was predicted.
     std::array<CostFit, 3> fits;  ///< In the order of CostTerms.
 };
+
+/// Of one measurement over the trees of one scene, of which there should be kFewestPredicted.
+[[nodiscard]] Prediction predict(std::string scene, std::string measurement, std::vector<TreeCost> trees);
 
 /// One for each measurement; none where there are fewer than kFewestPredicted trees.
 [[nodiscard]] std::vector<Prediction> predict(std::span<const MetricsResult> of_scene);

@@ -41,7 +41,8 @@ int parse_and_run(int argc, char** argv) {
     app.require_subcommand(0, 1);
     const std::array commands{add_devices_command(app), add_builders_command(app), add_scenes_command(app),
                               add_build_command(app),   add_bench_command(app),    add_tune_command(app),
-                              add_trace_command(app),   add_render_command(app),   add_metrics_command(app)};
+                              add_trace_command(app),   add_render_command(app),   add_metrics_command(app),
+                              add_table_command(app)};
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& help_or_version) {

@@ -3,21 +3,19 @@
 #include <fmt/format.h>
 
 #include <clbvh/metrics/epo.hpp>
-#include <list>
-#include <utility>
 
-#include "counting_engine.hpp"
+#include "both_ways.hpp"
 #include "interrupt.hpp"
 #include "rounds.hpp"
 #include "stopwatch.hpp"
 
 namespace clbvh::tool {
-namespace {
-
-/// Fills what the tree itself tells.
-void describe(MetricsResult& result, const Bvh& bvh, const Mesh& mesh, std::uint64_t epo_samples, ProgressBar& bar) {
-    const std::string label = fmt::format("{}, end-point overlap of {}", result.trace.scene, result.trace.builder);
+MetricsResult describe_metrics(const TraceResult& base, const Bvh& bvh, const Mesh& mesh, std::uint64_t epo_samples,
+                               ProgressBar& bar) {
+    const std::string label = fmt::format("{}, end-point overlap of {}", base.scene, base.builder);
     bar.show_now(0.0, label);
+    MetricsResult result;
+    result.trace = base;
     result.shape = tree_shape(bvh);
     const Stopwatch stopwatch;
     if (epo_samples > 0) {
@@ -31,56 +29,38 @@ void describe(MetricsResult& result, const Bvh& bvh, const Mesh& mesh, std::uint
         });
     }
     result.epo_ms = stopwatch.milliseconds();
+    return result;
 }
 
-/// Each tree's engine, and the same one counting; all of them take their turns in one round.
-class Field {
-public:
-    explicit Field(const std::vector<TraceCandidate>& candidates) {
-        for (const TraceCandidate& candidate : candidates) {
-            entrants_.push_back({candidate.base.builder, candidate.engine.get()});
-            CountingEngine& counting = counting_.emplace_back(*candidate.engine, counts_);
-            entrants_.push_back({candidate.base.builder + ", binary", &counting});
-        }
+void measure_candidates(std::span<const TraceCandidate> candidates, const RayArguments& rays, const RaySet& set,
+                        const Camera& unturned_camera, std::size_t runs, ProgressBar& bar,
+                        std::span<MetricsResult> results) {
+    const TraceResult& first = candidates.front().base;
+    const std::string title = fmt::format("{}, {} rays on {}", first.scene, to_string(set.kind), first.traced_on);
+    RoundsProgress progress(title, bar);
+    BothWays field;
+    for (const TraceCandidate& candidate : candidates)
+        field.add(candidate.base.builder, *candidate.engine);
+    field.measure(set, runs, progress);
+    for (std::size_t i = 0; i < results.size(); ++i) {
+        results[i].trace = result_of(candidates[i].base, rays, set, unturned_camera, field.cost(i));
+        results[i].binary_trace_ms = field.binary_cost(i).trace_ms;
     }
-
-    void measure(const RaySet& set, std::size_t runs, RoundsProgress& progress) {
-        costs_ = measure_rays(entrants_, set, runs, progress);
-    }
-    [[nodiscard]] const RayCost& cost(std::size_t candidate) const { return costs_[2 * candidate]; }
-    [[nodiscard]] const RayCost& binary_cost(std::size_t candidate) const { return costs_[2 * candidate + 1]; }
-
-private:
-    std::vector<RayCounts> counts_;
-    std::list<CountingEngine> counting_;  // entrants point into it
-    std::vector<RayEntrant> entrants_;
-    std::vector<RayCost> costs_;
-};
-
-}  // namespace
+}
 
 std::vector<MetricsResult> measure_scene(const MetricsSettings& settings, const RayArguments& rays,
                                          const TracerArguments& tracing, const std::string& scene,
                                          const ViewedScene& viewed, ProgressBar& bar) {
     std::vector<MetricsResult> results;
     const auto visit = [&](const TraceResult& base, const Bvh& bvh) {
-        MetricsResult& result = results.emplace_back();
-        result.trace = base;
-        describe(result, bvh, viewed.mesh, settings.epo_samples, bar);
+        results.push_back(describe_metrics(base, bvh, viewed.mesh, settings.epo_samples, bar));
     };
     const std::vector<TraceCandidate> candidates =
         build_candidates(settings.tracing, tracing, scene, viewed.mesh, bar, visit);
-    const std::string title = fmt::format("{}, {} rays", scene, to_string(rays.kinds.front()));
-    bar.show_now(0.0, title);
-    const RaySet set =
-        rays.rays(rays.kinds.front(), scene, viewed.mesh, closest_hits_of(*candidates.front().engine), viewed.camera);
-    RoundsProgress progress(title, bar);
-    Field field(candidates);
-    field.measure(set, settings.tracing.runs, progress);
-    for (std::size_t i = 0; i < results.size(); ++i) {
-        results[i].trace = result_of(results[i].trace, rays, set, viewed.unturned_camera, field.cost(i));
-        results[i].binary_trace_ms = field.binary_cost(i).trace_ms;
-    }
+    const RayKind kind = rays.kinds.front();
+    bar.show_now(0.0, fmt::format("{}, {} rays", scene, to_string(kind)));
+    const RaySet set = rays.rays(kind, scene, viewed.mesh, closest_hits_of(*candidates.front().engine), viewed.camera);
+    measure_candidates(candidates, rays, set, viewed.unturned_camera, settings.tracing.runs, bar, results);
     return results;
 }
 

@@ -86,6 +86,7 @@ ordered_json result_json(const BuildResult& result) {
         json["ray_count"] = result.rays->ray_count;
         json["mrays_per_s"] = result.rays->mrays_per_s();
         json["ns_per_ray"] = result.rays->ns_per_ray();
+        json["binary_ns_per_ray"] = result.binary_ns_per_ray;
         json["steps_per_ray"] = result.rays->steps_per_ray();
         json["triangles_per_ray"] = result.rays->triangles_per_ray;
     }
@@ -108,7 +109,9 @@ ordered_json options_json(const BuildOptions& options) {
         {"split_alpha", shortest(options.split_alpha)},
         {"reference_budget", shortest(options.reference_budget)},
         {"presplit_level", options.presplit_level},
+        {"split_quota", shortest(options.split_quota)},
         {"optimizers", options.optimizers},
+        {"optimize_passes", options.optimize_passes},
         {"optimize_on", to_string(options.optimize_on)},
         {"thread_count", options.thread_count},
         {"search_radius", options.search_radius},

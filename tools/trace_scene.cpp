@@ -26,6 +26,24 @@ void set_speeds(std::span<TraceResult> results) {
 
 }  // namespace
 
+TraceResult describe_candidate(const std::string& scene, const Mesh& mesh, std::string_view builder, BuilderKind kind,
+                               const Bvh& bvh) {
+    TraceResult base;
+    base.scene = scene;
+    base.triangles = mesh.triangles.size();
+    base.builder = builder;
+    base.kind = kind;
+    base.sah = sah_cost(bvh);
+    return base;
+}
+
+TraceCandidate make_candidate(TraceResult base, const Bvh& bvh, const Mesh& mesh, const TraceSettings& settings,
+                              const TracerArguments& tracing) {
+    base.traced_on = tracing.place(settings.context);
+    base.threads = tracing.threads(settings.options);
+    return {std::move(base), tracing.engine(bvh, mesh, settings.options, settings.context)};
+}
+
 std::vector<TraceCandidate> build_candidates(const TraceSettings& settings, const TracerArguments& tracing,
                                              const std::string& scene, const Mesh& mesh, ProgressBar& bar,
                                              const VisitTree& visit) {
@@ -41,17 +59,9 @@ std::vector<TraceCandidate> build_candidates(const TraceSettings& settings, cons
         label = fmt::format("{}, building with {}", scene, id);
         bar.show_now(0.0, label);
         const Bvh bvh = open_builder(id, settings.context, options).build(mesh);
-        TraceCandidate candidate;
-        candidate.base.scene = scene;
-        candidate.base.triangles = mesh.triangles.size();
-        candidate.base.builder = id;
-        candidate.base.kind = find_builder(id).kind;
-        candidate.base.sah = sah_cost(bvh);
-        candidate.base.traced_on = tracing.place(settings.context);
-        candidate.base.threads = tracing.threads(options);
-        if (visit) visit(candidate.base, bvh);
-        candidate.engine = tracing.engine(bvh, mesh, options, settings.context);
-        candidates.push_back(std::move(candidate));
+        TraceResult base = describe_candidate(scene, mesh, id, find_builder(id).kind, bvh);
+        if (visit) visit(base, bvh);
+        candidates.push_back(make_candidate(std::move(base), bvh, mesh, settings, tracing));
     }
     return candidates;
 }

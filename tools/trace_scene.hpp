@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "progress_bar.hpp"
@@ -37,6 +38,14 @@ struct TraceCandidate {
 
 /// Shown each tree before it goes; its engine is not there yet.
 using VisitTree = std::function<void(const TraceResult& base, const Bvh& bvh)>;
+
+/// What is the same for all rays through `bvh`, but not yet where they are traced.
+[[nodiscard]] TraceResult describe_candidate(const std::string& scene, const Mesh& mesh, std::string_view builder,
+                                             BuilderKind kind, const Bvh& bvh);
+
+/// An engine over the tree of `base`, which learns where that is.
+[[nodiscard]] TraceCandidate make_candidate(TraceResult base, const Bvh& bvh, const Mesh& mesh,
+                                            const TraceSettings& settings, const TracerArguments& tracing);
 
 /// Builds a tree with each builder, and an engine over it.
 [[nodiscard]] std::vector<TraceCandidate> build_candidates(const TraceSettings& settings,

@@ -14,6 +14,10 @@ void TracerArguments::add_options(CLI::App& command) {
         ->check(CLI::IsMember({"host", "device"}))
         ->type_name("NAME")
         ->default_str("host");
+    add_triangle_test(command);
+}
+
+void TracerArguments::add_triangle_test(CLI::App& command) {
     command
         .add_option_function<std::string>(
             "--triangle-test",

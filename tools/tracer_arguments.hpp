@@ -24,6 +24,8 @@ public:
 
     /// Adds the options to a command; parsing fills this object.
     void add_options(CLI::App& command);
+    /// Adds --triangle-test alone, for a command that chooses the place itself.
+    void add_triangle_test(CLI::App& command);
 
     /// The device of `selector` where rays are traced on it and `context` is not open yet; else `context`.
     [[nodiscard]] std::optional<Context> context(std::optional<Context> context, std::string_view selector) const;

@@ -21,7 +21,7 @@ namespace clbvh {
 /// After any exception the builder can be used again. One thread at a time.
 class Builder {
 public:
-    /// Opens the default device where the builder needs one. Throws what Context::open, find_builder and check_options
+    /// Of a builder, or of a preset. Opens the default device where the builder needs one. Throws what Context::open, find_builder and check_options
     /// throw.
     explicit Builder(std::string_view builder_id, const BuildOptions& options = {});
     /// Runs on the caller's device; a host builder leaves it alone.
@@ -36,18 +36,21 @@ public:
     [[nodiscard]] Bvh build(const Mesh& mesh, BuildStats* stats = nullptr);
 
     /// Checks the mesh (throws what check_mesh throws, before any work) and copies it to where the builder runs. With
-    /// BuildOptions::presplit_level its triangles are split first, which may be cancelled as run() may; the time counts
-    /// in the statistics of each run() over them.
+    /// BuildOptions::presplit_level or split_quota its triangles are split first, which may be cancelled as run() may;
+    /// the time counts in the statistics of each run() over them.
     void upload(const Mesh& mesh);
     /// Builds from the uploaded mesh to a finished tree in the builder's own memory, and waits for it. With
-    /// BuildOptions::max_leaf_size or presplit_level, the host finishes the tree: leaves name the uploaded triangles,
-    /// each once a leaf, and are merged where that lowers the SAH cost. Throws Error(invalid_input) where nothing was
+    /// BuildOptions::max_leaf_size, presplit_level or split_quota, the host finishes the tree: leaves name the uploaded
+    /// triangles, each once a leaf, and are merged where that lowers the SAH cost. Throws Error(invalid_input) where nothing was
     /// uploaded, Error(cancelled) where the progress callback said no.
     BuildStats run();
     /// A copy of the last finished tree. Throws Error(invalid_input) where there is none.
     [[nodiscard]] Bvh download() const;
 
+    /// What it was made with: the id of a builder or of a preset.
+    [[nodiscard]] std::string_view id() const noexcept;
     [[nodiscard]] const BuilderInfo& info() const noexcept;
+    /// As they were given, save for what a preset put in the place of defaults.
     [[nodiscard]] const BuildOptions& options() const noexcept;
     /// Throws Error(unsupported) for a host builder.
     [[nodiscard]] const Context& context() const;

@@ -1,7 +1,8 @@
 #ifndef CLBVH_CLBVH_H
 #define CLBVH_CLBVH_H
 
-/* The C interface of libclbvh: build a tree over a triangle mesh, read it, know why not. */
+/* The C interface of libclbvh: build a tree over a triangle mesh, improve it, let it follow a mesh that moves, read
+   it, know why not. */
 
 #include <stdint.h>
 
@@ -55,6 +56,11 @@ typedef struct clbvh_options {
     float reference_budget;          /**< sbvh: most references, as a multiple of the primitives, 1 to 8. */
     uint32_t hploc_quality;          /**< 0 the preset balanced of hploc, 1 fast; see clbvh::HplocQuality. */
     uint32_t code_bits;              /**< Bits of the spatial code that are sorted: 33, 44, 63; 0: chosen. */
+    const char* optimizers;          /**< Ids with commas between them, run behind the builder: "reinsert" say, also
+                                        those that split triangles first. Null or "": none. Copied. */
+    float split_quota;               /**< Split triangles with the largest boxes first, so many times a triangle in all,
+                                        above 0 to 4, say 0.3; 0: do not. Not with presplit_level. */
+    uint32_t unused;                 /**< 0. */
 } clbvh_options;
 
 /** A builder, on a device or on the host, with its programs, its memory and the last finished tree. One thread at a
@@ -79,8 +85,43 @@ void clbvh_destroy_builder(clbvh_builder* builder);
 clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
                         uint64_t triangle_count);
 
-/** The tree of the last clbvh_build, valid until the next; `*count` becomes its length. Null and 0 where there is none.
- */
+/** When clbvh_optimize stops at the latest; fill with zeros, then set `size`. Later versions may append fields. */
+typedef struct clbvh_budget {
+    uint32_t size;           /**< sizeof(clbvh_budget) of the caller. */
+    uint32_t passes;         /**< Most passes over the tree of each optimizer; 0: its own limit. */
+    double milliseconds;     /**< No new work is begun after so much time, for each; 0: no limit. */
+    clbvh_progress progress; /**< May be null. Returning 0 stops: the tree is then as improved so far. */
+    void* progress_user;     /**< Handed to `progress`. */
+} clbvh_budget;
+
+/** What clbvh_optimize did. Set `size`; later versions may append fields. */
+typedef struct clbvh_optimize_stats {
+    uint32_t size;         /**< sizeof(clbvh_optimize_stats) of the caller. */
+    uint32_t passes;       /**< Passes that were finished. */
+    uint64_t changes;      /**< Changes that lowered the cost. */
+    double milliseconds;   /**< Wall time. */
+    double sah_before;     /**< SAH cost of the tree as it was, as clbvh::sah_cost with its default costs. */
+    double sah_after;      /**< The same of the tree as it is. */
+    uint32_t is_cancelled; /**< 1 where the progress callback asked to stop, else 0. */
+    uint32_t unused;       /**< 0. */
+} clbvh_optimize_stats;
+
+/** Improves the tree of the last clbvh_build with the optimizers of `ids`, ids with commas between them ("reinsert"
+    say; see clbvh::optimizers), one after the other, on all threads. `budget` and `stats` may be null. Fails with
+    CLBVH_INVALID_INPUT where there is no tree, an id is unknown, or one splits triangles first: that is for
+    clbvh_options.optimizers. After a failure the tree is as it was. */
+clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_budget* budget,
+                           clbvh_optimize_stats* stats);
+
+/** Gives the tree of the last clbvh_build the boxes that its triangles ask for at new places, on all threads; its
+    structure stays. Arguments as for clbvh_build: as many triangles, of which the same have a NaN. The SAH costs before
+    and after go to `sah_before` and `sah_after`, either of which may be null: where the cost has risen much since the
+    build, build anew. The second call and later ones are faster. After a failure the tree is as it was. */
+clbvh_error clbvh_refit(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
+                        uint64_t triangle_count, double* sah_before, double* sah_after);
+
+/** The tree of the last clbvh_build, valid until the next, or the next clbvh_optimize or clbvh_refit, which change it;
+    `*count` becomes its length. Null and 0 where there is none. */
 const clbvh_node* clbvh_nodes(const clbvh_builder* builder, uint64_t* count);
 /** The primitive ids that leaves refer to; as clbvh_nodes. Each id of an active triangle once, unless
     clbvh_has_split_references. */

@@ -11,10 +11,12 @@ namespace clbvh {
 /// One row of the table of optimisers: functions from a tree to a better one over the same primitives. Each keeps the
 /// leaves, lowers the SAH cost or keeps it, and ends by itself.
 struct OptimizerInfo {
-    std::string_view id;     ///< What users type, for example "reinsert".
-    std::string_view title;  ///< One line for people.
-    std::string_view paper;  ///< Authors and year.
-    bool on_device = false;  ///< DeviceOptimizer has it too.
+    std::string_view id;        ///< What users type, for example "reinsert".
+    std::string_view title;     ///< One line for people.
+    std::string_view paper;     ///< Authors and year.
+    bool splits_first = false;  ///< Triangles are split before the tree is built, so that it is for builds alone
+                                ///< (BuildOptions::optimizers); optimize() refuses it.
+    bool on_device = false;     ///< DeviceOptimizer has it too.
 };
 
 /// Every optimiser of the library, in the order in which tables list them.
@@ -28,8 +30,8 @@ void check_optimizers(std::string_view ids);
 
 /// Runs the optimisers of `ids`, ids with commas between them, one after the other with their default settings, each
 /// within `budget`. Works in the calling task arena of oneTBB; the same tree on any number of threads. `stats` has the
-/// sums of all. Throws what check_optimizers throws, and Error(out_of_memory). The functions of clbvh/optimize/ take
-/// settings of their own.
+/// sums of all. Throws what check_optimizers throws, Error(invalid_input) for one that splits triangles first (see
+/// OptimizerInfo), and Error(out_of_memory). The functions of clbvh/optimize/ take settings of their own.
 [[nodiscard]] Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget = {},
                            OptimizeStats* stats = nullptr);
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <string>
 
+#include "clbvh/core/error.hpp"
 #include "core/check_field.hpp"
 
 namespace clbvh {
@@ -121,6 +122,11 @@ void check_options(const BuildOptions& options) {
     check_range("split_alpha", options.split_alpha, 0.0f, 1.0f);
     check_range("reference_budget", options.reference_budget, 1.0f, 8.0f);
     check_range("presplit_level", options.presplit_level, 0, kMaxPresplitLevel);
+    check_range("split_quota", options.split_quota, 0.0f, kMaxSplitQuota);
+    if (options.presplit_level > 0 && options.split_quota > 0.0f) {
+        throw Error(ErrorCode::invalid_input,
+                    "presplit_level and split_quota are two ways to split triangles: give one");
+    }
     check_enumerator("optimize_on", options.optimize_on);
     check_range("thread_count", options.thread_count, 0, 1024);
     check_range("search_radius", options.search_radius, 1, 32);

@@ -9,6 +9,7 @@ namespace clbvh {
 inline constexpr std::uint32_t kMaxLeafSize = 64;
 inline constexpr std::uint32_t kMaxBinCount = 64;
 inline constexpr std::uint32_t kMaxPresplitLevel = 40;
+inline constexpr float kMaxSplitQuota = 4.0f;
 
 /// Throws Error(invalid_input): "FIELD is VALUE; it must be RANGE".
 [[noreturn]] void reject_field(std::string_view field, const std::string& value, std::string_view range);

@@ -94,7 +94,8 @@ std::vector<cl::Event> copy_events(std::span<const cl_event> events) {
 
 void check_device_options(std::string_view who, const BuildOptions& options) {
     for (const auto& [name, is_given] : {std::pair{"max_leaf_size", options.max_leaf_size != 0},
-                                         std::pair{"presplit_level", options.presplit_level != 0}}) {
+                                         std::pair{"presplit_level", options.presplit_level != 0},
+                                         std::pair{"split_quota", options.split_quota != 0.0f}}) {
         if (!is_given) continue;
         throw Error(ErrorCode::unsupported, std::string(name) + " asks for work of the host, which " +
                                                 std::string(who) + " leaves out; use Builder, or leave it alone");

@@ -1,31 +1,92 @@
 // Surface area heuristic. Aila, Karras, Laine 2013, "On Quality Metrics of Bounding Volume Hierarchies", equation 1.
 #include "clbvh/metrics/sah.hpp"
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "core/exact_areas.hpp"
+#include "core/prefetch.hpp"
 #include "metrics/check_costs.hpp"
-#include "metrics/node_area.hpp"
 #include "metrics/node_cost.hpp"
 
 namespace clbvh {
+namespace {
+
+/// Sums of area times cost over sibling pairs, from the root down: slots that no node uses may hold anything.
+class PairSums {
+public:
+    PairSums(std::span<const Node> nodes, const SahCosts& costs, bool is_flat)
+        : nodes_(nodes), costs_(costs), is_flat_(is_flat) {}
+
+    /// Of the pairs below and with the root's children. The parts that threads take, and the order in which these are
+    /// added, depend on the tree alone.
+    [[nodiscard]] double of_tree() const {
+        std::vector<std::uint32_t> pairs{nodes_[0].first};
+        double sum = 0.0;
+        std::size_t begin = 0;
+        while (begin < pairs.size() && pairs.size() - begin < kParts)
+            sum += visit(pairs[begin++], pairs);
+        const std::span<const std::uint32_t> roots = std::span(pairs).subspan(begin);
+        std::vector<double> sums(roots.size());
+        tbb::parallel_for(std::size_t{0}, roots.size(), [&](std::size_t i) { sums[i] = of_subtree(roots[i]); });
+        for (const double part : sums)
+            sum += part;
+        return sum;
+    }
+
+private:
+    static constexpr std::size_t kParts = 512;
+    static constexpr std::size_t kBatch = 16;
+
+    /// Pairs are taken some at a time, whose inner children are being fetched meanwhile.
+    [[nodiscard]] double of_subtree(std::uint32_t root) const {
+        std::vector<std::uint32_t> stack{root};
+        double sum = 0.0;
+        while (!stack.empty()) {
+            std::array<std::uint32_t, kBatch> batch;
+            const std::size_t count = std::min(stack.size(), kBatch);
+            std::copy(stack.end() - static_cast<std::ptrdiff_t>(count), stack.end(), batch.begin());
+            stack.resize(stack.size() - count);
+            for (std::size_t i = 0; i < count; ++i)
+                sum += visit(batch[i], stack);
+        }
+        return sum;
+    }
+
+    /// Returns what two siblings cost, and appends the children of those that have any.
+    double visit(std::uint32_t first, std::vector<std::uint32_t>& pairs) const {
+        const std::span<const Node> siblings = nodes_.subspan(first, 2);
+        std::array<double, 2> areas{1.0, 1.0};
+        if (!is_flat_) areas = exact_half_areas(Box4::of(siblings[0]), Box4::of(siblings[1]));
+        for (const Node& node : siblings) {
+            if (node.is_leaf()) continue;
+            prefetch(&nodes_[node.first]);
+            pairs.push_back(node.first);
+        }
+        return areas[0] * node_cost(siblings[0], costs_) + areas[1] * node_cost(siblings[1], costs_);
+    }
+
+    std::span<const Node> nodes_;
+    SahCosts costs_;
+    bool is_flat_;
+};
+
+}  // namespace
 
 double sah_cost(const Bvh& bvh, const SahCosts& costs) {
     check_costs(costs);
     if (bvh.empty()) return 0.0;
-
-    const double root_area = node_area(bvh.nodes[0]);
-    double total = 0.0;
-    std::vector<std::uint32_t> stack{0};
-    while (!stack.empty()) {
-        const Node& node = bvh.nodes[stack.back()];
-        stack.pop_back();
-        const double hit_probability = root_area > 0.0 ? node_area(node) / root_area : 1.0;
-        total += hit_probability * node_cost(node, costs);
-        if (node.is_leaf()) continue;
-        stack.push_back(node.first + 1);
-        stack.push_back(node.first);
-    }
-    return total;
+    const Node& root = bvh.nodes[0];
+    const double own_cost = node_cost(root, costs);
+    if (root.is_leaf()) return own_cost;
+    const double root_area = exact_half_areas(Box4::of(root), Box4::of(root))[0];
+    const bool is_flat = !(root_area > 0.0);
+    return own_cost + PairSums(bvh.nodes, costs, is_flat).of_tree() / (is_flat ? 1.0 : root_area);
 }
 
 }  // namespace clbvh

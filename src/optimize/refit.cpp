@@ -1,125 +1,232 @@
-#include "clbvh/optimize/refit.hpp"
-
+// Bottom-up refitting along a plan that was made before. Each sibling pair is one cache line that is read and written
+// once: what inner children have become comes from a stack, not from their own pairs.
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "clbvh/core/error.hpp"
-#include "core/bottom_up.hpp"
+#include "clbvh/optimize/refit.hpp"
+#include "core/box4.hpp"
+#include "core/exact_areas.hpp"
 #include "core/memory_errors.hpp"
+#include "core/prefetch.hpp"
 #include "metrics/check_costs.hpp"
-#include "optimize/edit_tree.hpp"
+#include "optimize/refit_check.hpp"
+#include "optimize/refit_plan.hpp"
 
 namespace clbvh {
 namespace {
 
-[[noreturn]] void refuse(const std::string& what) {
-    throw Error(ErrorCode::invalid_input, what);
-}
+using optimizer::RefitPlan;
 
-/// Which triangles the tree's leaves name.
-std::vector<bool> named_triangles(const Bvh& tree) {
-    std::vector<bool> named(tree.primitive_count);
-    for (const std::uint32_t id : tree.primitive_ids) {
-        if (id >= named.size()) refuse("the tree names triangle " + std::to_string(id) + ", which it cannot have");
-        named[id] = true;
-    }
-    return named;
-}
-
-/// Throws unless the mesh's active triangles are those of the tree.
-void check_same_triangles(const Bvh& tree, const Mesh& mesh) {
-    if (mesh.triangles.size() != tree.primitive_count) {
-        refuse("the mesh has " + std::to_string(mesh.triangles.size()) + " triangles, but the tree was built over " +
-               std::to_string(tree.primitive_count) + "; build anew");
-    }
-    const std::uint64_t inactive = check_mesh(mesh);
-    // The common case; duplicates and holes among the ids would need a broken tree.
-    if (inactive == 0 && !tree.split_references && tree.primitive_ids.size() == tree.primitive_count) return;
-    const std::vector<bool> named = named_triangles(tree);
-    for (std::size_t i = 0; i < named.size(); ++i) {
-        if (named[i] != is_inactive(mesh, i)) continue;
-        refuse("triangle " + std::to_string(i) + (named[i] ? " has a NaN now, but is" : " had a NaN, and is not") +
-               " in the tree; build anew");
-    }
-}
-
-/// Sums of area times cost; divided by the root's area they are the tree's SAH cost.
-struct Costs {
-    double before = 0.0;
-    double after = 0.0;
+/// What an inner node has become.
+struct Fitted {
+    Box4 box;
+    std::uint32_t pair;  ///< Of its children.
 };
 
-class Refitter {
-public:
-    Refitter(Bvh& tree, const Mesh& mesh, const SahCosts& costs) : tree_(tree), mesh_(mesh), costs_(costs) {}
+/// Sums of area times cost, and whether the tree was the one of the plan.
+struct Sums {
+    double before = 0.0;
+    double after = 0.0;
+    bool fits_plan = true;
 
-    RefitStats run() {
-        Node& root = tree_.nodes[0];
-        const double area_before = optimizer::exact_half_area(root);
-        if (root.is_leaf()) {
-            Costs& sums = sums_.local();
-            refit_leaf(root, sums);
-        } else {
-            Scratch scratch;
-            const auto visit = [this](std::uint32_t node) { refit_inner(node); };
-            BottomUp<decltype(visit)>(tree_.nodes, scratch, visit).run();
+    void add(const Sums& other) noexcept {
+        before += other.before;
+        after += other.after;
+        fits_plan = fits_plan && other.fits_plan;
+    }
+};
+
+/// One call of refit().
+class Pass {
+public:
+    Pass(Bvh& tree, const Mesh& mesh, const SahCosts& costs) : tree_(tree), mesh_(mesh), costs_(costs) {}
+
+    /// Visits pairs from the last to the first. `stack` holds what is left when done.
+    void visit_all(std::span<const RefitPlan::Visit> visits, std::vector<Fitted>& stack, Sums& sums) {
+        for (std::size_t i = visits.size(); i > 0; --i) {
+            if (i > kPairsAhead) prefetch(&tree_.nodes[std::size_t{2} * visits[i - 1 - kPairsAhead].pair()]);
+            if (i > kTrianglesAhead) prefetch_triangles(visits[i - 1 - kTrianglesAhead]);
+            stack.push_back(visit(visits[i - 1], stack, sums));
         }
-        const Costs sums = sums_.combine([](const Costs& a, const Costs& b) {
-            return Costs{a.before + b.before, a.after + b.after};
-        });
-        return {relative(sums.before, area_before), relative(sums.after, optimizer::exact_half_area(root))};
+    }
+
+    Fitted visit(RefitPlan::Visit visit, std::vector<Fitted>& stack, Sums& sums) {
+        Node* const nodes = &tree_.nodes[std::size_t{2} * visit.pair()];
+        std::array<Box4, 2> boxes;
+        for (std::uint32_t side = 0; side < 2; ++side)
+            boxes[side] = visit.is_leaf(side) ? fit_leaf(nodes[side], sums) : take_inner(nodes[side], stack, sums);
+        const std::array<double, 2> before = exact_half_areas(Box4::of(nodes[0]), Box4::of(nodes[1]));
+        const std::array<double, 2> after = exact_half_areas(boxes[0], boxes[1]);
+        for (std::uint32_t side = 0; side < 2; ++side)
+            replace(nodes[side], boxes[side], before[side], after[side], sums);
+        boxes[0].merge(boxes[1]);
+        return {boxes[0], visit.pair()};
+    }
+
+    /// The root, which is no one's child. Returns its half areas before and after.
+    std::array<double, 2> finish(const Box4& box, Sums& sums) {
+        Node& root = tree_.nodes[0];
+        const std::array<double, 2> areas = exact_half_areas(Box4::of(root), box);
+        replace(root, box, areas[0], areas[1], sums);
+        return areas;
+    }
+
+    Box4 take_inner(const Node& node, std::vector<Fitted>& stack, Sums& sums) const {
+        const Fitted fitted = stack.back();
+        stack.pop_back();
+        if (node.count != 0 || node.first != 2 * fitted.pair) sums.fits_plan = false;
+        return fitted.box;
+    }
+
+    Box4 fit_leaf(const Node& leaf, Sums& sums) const {
+        Box4 box;
+        if (!has_ids(leaf)) {
+            sums.fits_plan = false;
+            return box;
+        }
+        for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
+            const Triangle& triangle = mesh_.triangles[tree_.primitive_ids[i]];
+            for (const std::uint32_t index : triangle)
+                box.merge(vertex(index));
+        }
+        // Adding +0 turns -0 into +0, and changes nothing else.
+        return {box.lower + Float4::filled(0.0f), box.upper + Float4::filled(0.0f)};
     }
 
 private:
-    static double relative(double sum, double root_area) { return root_area > 0.0 ? sum / root_area : 0.0; }
+    static constexpr std::size_t kPairsAhead = 24;
+    static constexpr std::size_t kTrianglesAhead = 8;
 
-    void refit_inner(std::uint32_t index) {
-        Node& node = tree_.nodes[index];
-        Costs& sums = sums_.local();
-        Node& left = tree_.nodes[node.first];
-        Node& right = tree_.nodes[std::size_t{node.first} + 1];
-        if (left.is_leaf()) refit_leaf(left, sums);
-        if (right.is_leaf()) refit_leaf(right, sums);
-        Box4 box = Box4::of(left);
-        box.merge(Box4::of(right));
-        replace(node, make_node(box, node.first, 0), costs_.inner, sums);
+    [[nodiscard]] bool has_ids(const Node& leaf) const noexcept {
+        const std::size_t ids = tree_.primitive_ids.size();
+        return leaf.count > 0 && leaf.first < ids && leaf.count <= ids - leaf.first;
     }
 
-    void refit_leaf(Node& leaf, Costs& sums) {
-        Aabb box;
-        for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i)
-            box = merge(box, triangle_bounds(mesh_, tree_.primitive_ids[i]));
-        // Adding +0 turns -0 into +0, and changes nothing else.
-        const Node fitted{{box.lower.x + 0.0f, box.lower.y + 0.0f, box.lower.z + 0.0f},
-                          leaf.first,
-                          {box.upper.x + 0.0f, box.upper.y + 0.0f, box.upper.z + 0.0f},
-                          leaf.count};
-        replace(leaf, fitted, costs_.primitive * leaf.count, sums);
+    /// A vertex takes three words. The fourth that is read belongs to the next one.
+    [[nodiscard]] Float4 vertex(std::uint32_t index) const noexcept {
+        const Vec3& v = mesh_.vertices[index];
+        return index + std::size_t{1} < mesh_.vertices.size() ? Float4::load(&v.x) : Float4::of(v.x, v.y, v.z);
     }
 
-    static void replace(Node& node, const Node& fitted, double cost, Costs& sums) {
-        sums.before += cost * optimizer::exact_half_area(node);
-        sums.after += cost * optimizer::exact_half_area(fitted);
-        node = fitted;
+    void prefetch_triangles(RefitPlan::Visit visit) const noexcept {
+        const Node* const nodes = &tree_.nodes[std::size_t{2} * visit.pair()];
+        for (std::uint32_t side = 0; side < 2; ++side) {
+            if (visit.is_leaf(side) && nodes[side].first < tree_.primitive_ids.size())
+                prefetch(&mesh_.triangles[tree_.primitive_ids[nodes[side].first]]);
+        }
+    }
+
+    void replace(Node& node, const Box4& box, double area_before, double area_after, Sums& sums) const noexcept {
+        const double cost = node.is_leaf() ? costs_.primitive * node.count : costs_.inner;
+        sums.before += cost * area_before;
+        sums.after += cost * area_after;
+        node = make_node(box, node.first, node.count);
     }
 
     Bvh& tree_;
     const Mesh& mesh_;
     SahCosts costs_;
-    tbb::enumerable_thread_specific<Costs> sums_;
 };
+
+double relative(double sum, double root_area) {
+    return root_area > 0.0 ? sum / root_area : 0.0;
+}
 
 }  // namespace
 
-RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs) {
+struct Refitter::State {
+    explicit State(const Bvh& tree) : node_count(tree.nodes.size()) {
+        if (tree.empty() || tree.nodes[0].is_leaf()) return;
+        plan.emplace(tree.nodes);
+        results.resize(plan->subtree_count());
+        chunk_sums.resize(plan->chunk_count());
+    }
+
+    RefitStats run(Bvh& tree, const Mesh& mesh, const SahCosts& costs);
+    void fit_chunks(Pass& pass);
+    Fitted fit_above(Pass& pass, Sums& sums);
+
+    std::size_t node_count;
+    std::optional<RefitPlan> plan;  // nothing where there are no pairs
+    std::vector<Fitted> results;    // of subtrees
+    std::vector<Sums> chunk_sums;   // added in order, so that threads do not matter
+    tbb::enumerable_thread_specific<std::vector<Fitted>> stacks;
+};
+
+void Refitter::State::fit_chunks(Pass& pass) {
+    tbb::parallel_for(std::size_t{0}, plan->chunk_count(), [&](std::size_t i) {
+        const RefitPlan::Chunk chunk = plan->chunk(i);
+        std::vector<Fitted>& stack = stacks.local();
+        stack.clear();
+        chunk_sums[i] = {};
+        pass.visit_all(chunk.visits, stack, chunk_sums[i]);
+        std::ranges::reverse_copy(stack, results.begin() + static_cast<std::ptrdiff_t>(chunk.first_subtree));
+    });
+}
+
+Fitted Refitter::State::fit_above(Pass& pass, Sums& sums) {
+    std::vector<Fitted> stack;
+    std::size_t subtrees = results.size();
+    const std::span<const RefitPlan::Visit> above = plan->above();
+    for (std::size_t i = above.size(); i > 0; --i) {
+        const RefitPlan::Visit visit = above[i - 1];
+        stack.push_back(visit.is_subtree() ? results[--subtrees] : pass.visit(visit, stack, sums));
+    }
+    return stack.back();
+}
+
+RefitStats Refitter::State::run(Bvh& tree, const Mesh& mesh, const SahCosts& costs) {
+    if (tree.empty()) return {};
+    const Node& root = tree.nodes[0];
+    Pass pass(tree, mesh, costs);
+    Sums sums;
+    Box4 box;
+    if (plan) {
+        fit_chunks(pass);
+        for (const Sums& of_chunk : chunk_sums)
+            sums.add(of_chunk);
+        std::vector<Fitted> last{fit_above(pass, sums)};
+        box = pass.take_inner(root, last, sums);
+    } else {
+        box = pass.fit_leaf(root, sums);
+    }
+    const auto [area_before, area_after] = pass.finish(box, sums);
+    if (!sums.fits_plan) {
+        throw Error(ErrorCode::invalid_input,
+                    "the tree's nodes are not those that the refitter was made for: make one for this tree, after "
+                    "clbvh::refit() has mended its boxes");
+    }
+    return {relative(sums.before, area_before), relative(sums.after, area_after)};
+}
+
+Refitter::Refitter(const Bvh& tree)
+    : state_(with_memory_errors("a refitter", [&] { return std::make_unique<State>(tree); })) {}
+Refitter::Refitter(Refitter&&) noexcept = default;
+Refitter& Refitter::operator=(Refitter&&) noexcept = default;
+Refitter::~Refitter() = default;
+
+RefitStats Refitter::refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs) {
     return with_memory_errors("refitting", [&] {
         check_costs(costs);
-        check_same_triangles(tree, mesh);
-        return tree.empty() ? RefitStats{} : Refitter(tree, mesh, costs).run();
+        if (tree.nodes.size() != state_->node_count) {
+            throw Error(ErrorCode::invalid_input, "the tree has " + std::to_string(tree.nodes.size()) +
+                                                      " nodes, but the refitter was made for one of " +
+                                                      std::to_string(state_->node_count) + ": make one for this tree");
+        }
+        optimizer::check_same_triangles(tree, mesh);
+        return state_->run(tree, mesh, costs);
     });
+}
+
+RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs) {
+    return Refitter(tree).refit(tree, mesh, costs);
 }
 
 }  // namespace clbvh

@@ -42,13 +42,17 @@ constexpr std::size_t kSearchesBetweenLooks = std::size_t{1} << 17;  // at the c
 class Reinserter {
 public:
     Reinserter(Bvh& tree, const ReinsertConfig& config)
-        : tree_(tree.nodes), config_(config), clock_("reinsert", config.budget, kMostPasses), move_(tree_) {}
+        : tree_(tree.nodes),
+          config_(config),
+          clock_("reinsert", config.budget, kMostPasses),
+          move_(tree_),
+          candidates_(tree_) {}
 
     OptimizeStats run() {
-        double area = tree_.inner_half_area();
+        double area = candidates_.initial_area();
         double part = std::min(double{config_.candidates}, kFirstPart);
         while (clock_.may_begin_pass()) {
-            if (!search(candidates_.choose(tree_, part))) break;
+            if (!search(candidates_.choose(part))) break;
             const double gain = make_moves();
             const bool has_gained = gain > double{config_.least_gain} * area;
             if (!has_gained && part >= double{config_.candidates}) break;
@@ -84,7 +88,9 @@ private:
         for (const Reinsertion& found : found_) {
             const double saved = move_.make(found.from, found.to);
             sum += saved;
-            made += saved > 0.0 ? 1 : 0;
+            if (!(saved > 0.0)) continue;
+            ++made;
+            move_.for_each_changed([&](std::uint32_t slot) { candidates_.touch(slot); });
         }
         clock_.end_pass(made);
         return sum;

@@ -1,8 +1,52 @@
 #include "optimize/reinsertion.hpp"
 
+#include <array>
+
+#include "core/half_areas.hpp"
 #include "core/prefetch.hpp"
 
 namespace clbvh::optimizer {
+
+// What is called in the innermost loops is declared inline, so that the compiler may do that in a shared library, too.
+
+/// Beside `node`, which has that area, the subtree would gain so much. The places below go onto the stack, of `size`
+/// entries, unless they cannot be better. Returns the stack's new size.
+inline std::size_t ReinsertionSearch::consider(float gain, float area, std::uint32_t node, const Subtree& subtree,
+                                               Reinsertion& best, std::size_t size) {
+    if (gain > best.gain) best = {best.from, node, gain};
+    const float saved_below = gain + area;
+    if (saved_below - subtree.area <= best.gain || tree_[node].is_leaf()) return size;
+    stack_[size] = {saved_below, tree_[node].first};
+    prefetch(&tree_[tree_[node].first]);
+    return size + 1;
+}
+
+inline std::size_t ReinsertionSearch::look_at_pair(const Place& place, const Subtree& subtree, Reinsertion& best,
+                                                   std::size_t size) {
+    const Box4 left = tree_.box(place.pair);
+    const Box4 right = tree_.box(place.pair + 1);
+    Box4 with_left = left;
+    Box4 with_right = right;
+    with_left.merge(subtree.box);
+    with_right.merge(subtree.box);
+    const std::array<float, 4> areas = half_areas({left, right, with_left, with_right});
+    size = consider(place.saved - areas[2], areas[0], place.pair, subtree, best, size);
+    return consider(place.saved - areas[3], areas[1], place.pair + 1, subtree, best, size);
+}
+
+inline void ReinsertionSearch::look_below(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best) {
+    const Box4 there = tree_.box(node);
+    Box4 both = there;
+    both.merge(subtree.box);
+    std::size_t size = consider(saved - both.half_area(), there.half_area(), node, subtree, best, 0);
+    while (size > 0) {
+        const Place place = stack_[--size];
+        // A new parent is no smaller than the subtree.
+        if (place.saved - subtree.area <= best.gain) continue;
+        if (stack_.size() < size + 2) stack_.resize(2 * size + 64);
+        size = look_at_pair(place, subtree, best, size);
+    }
+}
 
 Reinsertion ReinsertionSearch::find(std::uint32_t from) {
     const Subtree subtree{tree_.box(from), tree_.box(from).half_area()};
@@ -27,34 +71,6 @@ Reinsertion ReinsertionSearch::find(std::uint32_t from) {
         if (is_inside && saved - subtree.area <= best.gain) break;
     }
     return best;
-}
-
-void ReinsertionSearch::look_below(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best) {
-    std::size_t size = consider(saved, node, subtree, best, 0);
-    while (size > 0) {
-        const Place place = stack_[--size];
-        // A new parent is no smaller than the subtree.
-        if (place.saved - subtree.area <= best.gain) continue;
-        if (stack_.size() < size + 2) stack_.resize(2 * size + 64);
-        size = consider(place.saved, place.pair, subtree, best, size);
-        size = consider(place.saved, place.pair + 1, subtree, best, size);
-    }
-}
-
-/// The place beside `node`; those below it go onto the stack, of `size` entries, unless they cannot be better. Returns
-/// the stack's new size.
-std::size_t ReinsertionSearch::consider(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best,
-                                        std::size_t size) {
-    const Box4 there = tree_.box(node);
-    Box4 both = there;
-    both.merge(subtree.box);
-    const float gain = saved - both.half_area();
-    if (gain > best.gain) best = {best.from, node, gain};
-    const float saved_below = gain + there.half_area();
-    if (saved_below - subtree.area <= best.gain || tree_[node].is_leaf()) return size;
-    stack_[size] = {saved_below, tree_[node].first};
-    prefetch(&tree_[tree_[node].first]);
-    return size + 1;
 }
 
 bool ReinsertionMove::is_possible(std::uint32_t from, std::uint32_t to) const {

@@ -43,7 +43,9 @@ private:
     };
 
     void look_below(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best);
-    std::size_t consider(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best, std::size_t size);
+    std::size_t look_at_pair(const Place& place, const Subtree& subtree, Reinsertion& best, std::size_t size);
+    std::size_t consider(float gain, float area, std::uint32_t node, const Subtree& subtree, Reinsertion& best,
+                         std::size_t size);
 
     const EditTree& tree_;
     std::vector<Place> stack_ = std::vector<Place>(64);
@@ -58,6 +60,13 @@ public:
     /// nodes' half areas; where it is nothing, or where there is no such move, the tree is left as it was and 0
     /// returned.
     [[nodiscard]] double make(std::uint32_t from, std::uint32_t to);
+
+    /// Calls `visit(slot)` with what the last move that was made has changed, some slots more than once.
+    template <typename Visit>
+    void for_each_changed(const Visit& visit) const {
+        for (const Saved& saved : journal_)
+            visit(saved.slot);
+    }
 
 private:
     struct Saved {

@@ -1,5 +1,8 @@
 #include "clbvh/metrics/sah.hpp"
 
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
 #include <catch2/catch.hpp>
 #include <limits>
 
@@ -101,6 +104,14 @@ TEST_CASE("SAH cost does not depend on scale, numbering or the largest coordinat
         }
         CHECK(sah_cost(scaled) == sah_cost(bvh));
     }
+}
+
+TEST_CASE("SAH cost is the same to the bit on any number of threads") {
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 8);
+    const Bvh bvh = lbvh_tree(morton_order(random_triangles(50000), MortonCode::xyz)).bvh;
+    const double expected = tbb::task_arena(1).execute([&] { return sah_cost(bvh); });
+    for (const int threads : {2, 4, 7})
+        CHECK(tbb::task_arena(threads).execute([&] { return sah_cost(bvh); }) == expected);
 }
 
 TEST_CASE("unused slots do not count") {

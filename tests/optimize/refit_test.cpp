@@ -1,8 +1,13 @@
 // Refitted trees are valid over the moved mesh, with the cost that sah_cost() sees, or nothing is changed.
 #include "clbvh/optimize/refit.hpp"
 
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "clbvh/core/validate.hpp"
@@ -22,6 +27,46 @@ Mesh twisted(Mesh mesh) {
     return mesh;
 }
 
+/// Every node with the box of all triangles below it: slow, and sure.
+Bvh fitted_by_definition(Bvh tree, const Mesh& mesh) {
+    const std::function<Aabb(std::uint32_t)> fit = [&](std::uint32_t index) {
+        Node& node = tree.nodes[index];
+        Aabb box;
+        if (node.is_leaf()) {
+            for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+                box = merge(box, triangle_bounds(mesh, tree.primitive_ids[i]));
+        } else {
+            box = merge(fit(node.first), fit(node.first + 1));
+        }
+        node = {{box.lower.x + 0.0f, box.lower.y + 0.0f, box.lower.z + 0.0f},
+                node.first,
+                {box.upper.x + 0.0f, box.upper.y + 0.0f, box.upper.z + 0.0f},
+                node.count};
+        return box;
+    };
+    if (!tree.empty()) fit(0);
+    return tree;
+}
+
+/// Left children are leaves, so that the tree is as deep as it has triangles.
+Bvh chain_of(const Mesh& mesh) {
+    const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+    Bvh tree;
+    tree.primitive_count = count;
+    tree.nodes.resize(2 * std::size_t{count});
+    for (std::uint32_t i = 0; i < count; ++i) {
+        tree.primitive_ids.push_back(i);
+        Node& inner = tree.nodes[i == 0 ? 0 : 2 * i + 1];
+        if (i + 1 == count) {
+            inner = {{}, i, {}, 1};
+        } else {
+            inner = {{}, 2 * (i + 1), {}, 0};
+            tree.nodes[2 * (i + 1)] = {{}, i, {}, 1};
+        }
+    }
+    return tree;
+}
+
 }  // namespace
 
 TEST_CASE("refit: the tree of every builder fits the moved mesh, and both costs are told") {
@@ -38,7 +83,9 @@ TEST_CASE("refit: the tree of every builder fits the moved mesh, and both costs 
                 const SahCosts costs{2.0, 0.5};
                 const double dear_before = sah_cost(tree, costs);
                 Bvh again = tree;
+                const Bvh expected = fitted_by_definition(tree, moved);
                 const RefitStats stats = refit(tree, moved);
+                CHECK(same_bytes(tree, expected));
                 CHECK(validate(tree, moved).error == "");
                 CHECK(stats.sah_before == Approx(before).epsilon(1e-9));
                 CHECK(stats.sah_after == Approx(sah_cost(tree)).epsilon(1e-9));
@@ -89,4 +136,100 @@ TEST_CASE("refit: another mesh is refused, and the tree stays as it was") {
     Mesh infinite = mesh;
     infinite.vertices[infinite.triangles[7][1]].y = std::numeric_limits<float>::infinity();
     expect_refused(whole, infinite, {"triangle 7"});
+}
+
+TEST_CASE("refitter: again and again what refit gives, on any number of threads") {
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 8);
+    Mesh mesh = generate_scene("city", 40000);
+    for (const char* const builder : {"lbvh", "plocpp", "sbvh", "sweep-sah"}) {
+        for (const std::uint32_t leaf_size : {0u, 4u}) {
+            INFO(builder << ", leaves of " << leaf_size);
+            BuildOptions options;
+            options.max_leaf_size = leaf_size;
+            Bvh tree = make_builder(builder, options).build(mesh);
+            Refitter refitter(tree);
+            double last = sah_cost(tree);
+            for (int frame = 0; frame < 3; ++frame) {
+                mesh = twisted(std::move(mesh));
+                Bvh other = tree;
+                const RefitStats stats = refitter.refit(tree, mesh);
+                CHECK(same_bytes(tree, fitted_by_definition(tree, mesh)));
+                CHECK(stats.sah_before == Approx(last).epsilon(1e-12));
+                last = sah_cost(tree);
+                CHECK(stats.sah_after == Approx(last).epsilon(1e-12));
+                CHECK(stats.rise() == Approx(stats.sah_after / stats.sah_before));
+                const RefitStats on_one = tbb::task_arena(1).execute([&] { return refitter.refit(other, mesh); });
+                CHECK(same_bytes(tree, other));
+                CHECK(on_one.sah_before == stats.sah_before);
+                CHECK(on_one.sah_after == stats.sah_after);
+            }
+        }
+    }
+}
+
+TEST_CASE("refitter: hard trees") {
+    const Mesh mesh = random_triangles(30000);
+    Bvh chain = chain_of(mesh);
+    Refitter refitter(chain);
+    Refitter moved_here = std::move(refitter);
+    refitter = std::move(moved_here);
+    static_cast<void>(refitter.refit(chain, mesh));
+    CHECK(validate(chain, mesh).error == "");
+
+    // Every pair moves to twice its place; what lies between looks like nodes, and stays.
+    const Mesh small = random_triangles(3000);
+    const Bvh tight = make_builder("plocpp").build(small);
+    const Node decoy{{-9, -9, -9}, 2, {9, 9, 9}, 0};
+    Bvh sparse = tight;
+    sparse.nodes.assign(2 * tight.nodes.size(), decoy);
+    for (std::size_t i = 0; i < tight.nodes.size(); ++i) {
+        Node node = tight.nodes[i];
+        if (!node.is_leaf()) node.first *= 2;
+        sparse.nodes[i < 2 ? i : i / 2 * 4 + i % 2] = node;
+    }
+    sparse.nodes[1] = {};
+    const Mesh turned = twisted(small);
+    Refitter of_sparse(sparse);
+    CHECK(of_sparse.refit(sparse, turned).sah_after == Approx(sah_cost(fitted_by_definition(tight, turned))));
+    CHECK(validate(sparse, turned).error == "");
+    CHECK(sparse.nodes[6] == decoy);
+
+    for (const std::uint32_t count : {0u, 1u, 2u, 3u}) {
+        const Mesh few = random_triangles(count);
+        Bvh tree = make_builder("lbvh").build(few);
+        Refitter of_few(tree);
+        const RefitStats stats = of_few.refit(tree, scaled(few, 2.0f));
+        CHECK(validate(tree, scaled(few, 2.0f)).error == "");
+        CHECK(stats.sah_after == Approx(sah_cost(tree)));
+    }
+    CHECK(RefitStats{}.rise() == 1.0);
+}
+
+TEST_CASE("refitter: other trees and meshes are refused") {
+    const Mesh mesh = random_triangles(1000);
+    const Bvh tree = make_builder("lbvh").build(mesh);
+    Refitter refitter(tree);
+    const auto expect_untouched = [&](const Bvh& given, const Mesh& other, std::initializer_list<std::string> words) {
+        Bvh fitted = given;
+        expect_error(ErrorCode::invalid_input, words, [&] { refitter.refit(fitted, other); });
+        CHECK(same_bytes(fitted, given));
+    };
+    Mesh infinite = mesh;
+    infinite.vertices[7].y = std::numeric_limits<float>::infinity();
+    expect_untouched(tree, infinite, {"triangle 2"});
+    expect_untouched(tree, random_triangles(999), {"999 triangles"});
+    expect_untouched(make_builder("lbvh").build(random_triangles(999)), random_triangles(999), {"nodes", "1998"});
+
+    // As many nodes, but others: found out, and mended by refit().
+    Bvh other = make_builder("plocpp").build(mesh);
+    expect_error(ErrorCode::invalid_input, {"not those that the refitter was made for"},
+                 [&] { refitter.refit(other, mesh); });
+    refit(other, mesh);
+    CHECK(validate(other, mesh).error == "");
+
+    // The same nodes over other primitives are served.
+    Bvh reversed = tree;
+    std::ranges::reverse(reversed.primitive_ids);
+    refitter.refit(reversed, mesh);
+    CHECK(validate(reversed, mesh).error == "");
 }

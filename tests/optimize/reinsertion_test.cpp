@@ -173,14 +173,15 @@ TEST_CASE("reinsertion: a move saves what it says, or leaves every byte as it wa
 TEST_CASE("reinsertion: candidates are as many as asked for, those first whose parents are much larger") {
     Bvh tree = make_builder("lbvh").build(generate_scene("clustered", 20000));
     const EditTree edit(tree.nodes);
-    optimizer::Candidates candidates;
+    optimizer::Candidates candidates(edit);
+    CHECK(candidates.initial_area() == edit.inner_half_area());
     const auto worth = [&](std::uint32_t slot) {
         return edit.box(edit.parent(slot)).half_area() - edit.box(slot).half_area();
     };
     const std::vector<std::uint32_t> movable = movable_slots(tree);
     for (const double part : {1e-9, 0.001, 0.1, 0.5, 1.0}) {
         INFO(part);
-        const auto chosen = candidates.choose(edit, part);
+        const auto chosen = candidates.choose(part);
         const auto wanted = std::max(1.0, std::floor(part * static_cast<double>(movable.size())));
         CHECK(static_cast<double>(chosen.size()) == wanted);
         CHECK(std::is_sorted(chosen.begin(), chosen.end()));
@@ -195,5 +196,30 @@ TEST_CASE("reinsertion: candidates are as many as asked for, those first whose p
     }
     Bvh equal = make_builder("lbvh").build(coincident_triangles(5000));
     const EditTree equal_edit(equal.nodes);
-    CHECK(candidates.choose(equal_edit, 0.01).size() == movable_slots(equal).size() / 100);
+    CHECK(optimizer::Candidates(equal_edit).choose(0.01).size() == movable_slots(equal).size() / 100);
+}
+
+TEST_CASE("reinsertion: candidates after moves are those of the tree as it then is") {
+    Bvh tree = make_builder("lbvh").build(generate_scene("clustered", 3000));
+    EditTree edit(tree.nodes);
+    optimizer::Candidates candidates(edit);
+    ReinsertionSearch search(edit);
+    ReinsertionMove move(edit);
+    std::size_t made = 0;
+    for (int pass = 0; pass < 3; ++pass) {
+        const auto chosen = candidates.choose(0.2);
+        for (const std::uint32_t from : std::vector<std::uint32_t>(chosen.begin(), chosen.end())) {
+            if (edit.parent(from) == 0) continue;
+            const auto found = search.find(from);
+            if (!(found.gain > 0.0f) || !(move.make(found.from, found.to) > 0.0)) continue;
+            ++made;
+            move.for_each_changed([&](std::uint32_t slot) { candidates.touch(slot); });
+        }
+        for (const double part : {0.01, 0.3, 1.0}) {
+            optimizer::Candidates fresh(edit);
+            const auto kept = candidates.choose(part);
+            CHECK(std::ranges::equal(kept, fresh.choose(part)));
+        }
+    }
+    CHECK(made > 100);
 }

@@ -165,6 +165,17 @@ TEST_CASE("groups stand for their builders, each once, beside ids") {
     }
 }
 
+TEST_CASE("presets stand beside builders, under their own names") {
+    const ordered_json results = bench({"gen:city:2000", "--builders", "binned-sah,high,presets"})["results"];
+    std::vector<std::string> ids;
+    for (const ordered_json& result : results)
+        ids.push_back(result["builder"]);
+    CHECK(ids == std::vector<std::string>{"binned-sah", "high", "fast", "balanced", "highest"});
+    CHECK(results[1]["sah"] < results[0]["sah"]);
+    CHECK(results[1]["kind"] == "host");
+    CHECK(results[2]["kind"] == "device");
+}
+
 TEST_CASE("without a device, bench runs the host builders and says why no others") {
     const ordered_json document = bench({"gen:soup:1000"}, kNoDriver);
     CHECK(field_names(document) ==
@@ -211,7 +222,7 @@ TEST_CASE("bench names what is wrong with its input, and prints no table") {
         CHECK_THAT(outcome.err, Contains("clbvh: error: ") && Contains(part));
     };
     expect_failure({"gen:soup:10", "--builders", "ploc,quick"}, "quick");
-    expect_failure({"gen:soup:10", "--builders", "quick"}, "groups are: all, host, device");
+    expect_failure({"gen:soup:10", "--builders", "quick"}, "groups are: all, host, device, presets");
     expect_failure({"gen:soup:10", "--builders", "median,embree-sbvh"}, "--peers");
     expect_failure({"gen:soup:10", "--builders", "ploc,"}, "plocpp-two-level");
     expect_failure({"gen:soup:10", "--radius", "33"}, "radius is 33");

@@ -234,9 +234,10 @@ TEST_CASE("build names what is wrong with its input") {
     expect_failure({"gen:soup:10", "--radius", "0"}, {"radius is 0", "1 to 32"});
     expect_failure({"gen:soup:10", "--radius", "33"}, {"radius is 33", "1 to 32"});
     for (const auto& [option, value] :
-         {std::pair{"--max-leaf", "65"}, std::pair{"--presplit", "41"}, std::pair{"--inner-cost", "0"},
-          std::pair{"--primitive-cost", "-1"}, std::pair{"--threads", "1025"}, std::pair{"--bins", "1"},
-          std::pair{"--alpha", "1.5"}, std::pair{"--budget", "0.5"}, std::pair{"--threshold", "1"}}) {
+         {std::pair{"--max-leaf", "65"}, std::pair{"--presplit", "41"}, std::pair{"--split-quota", "5"},
+          std::pair{"--inner-cost", "0"}, std::pair{"--primitive-cost", "-1"}, std::pair{"--threads", "1025"},
+          std::pair{"--bins", "1"}, std::pair{"--alpha", "1.5"}, std::pair{"--budget", "0.5"},
+          std::pair{"--threshold", "1"}}) {
         expect_failure({"gen:soup:10", option, value}, {std::string(option) + ": ", std::string(" is ") + value});
     }
     expect_failure({"gen:soup:10", "--device", "no such device"}, {"no such device"});
@@ -293,7 +294,9 @@ TEST_CASE("build's JSON holds the options that were in force") {
         {"split_alpha", 0.25, {"--alpha", "0.25"}},
         {"reference_budget", 1.5, {"--budget", "1.5"}},
         {"presplit_level", 14, {"--presplit"}},
+        {"split_quota", 0.3, {"--split-quota"}},
         {"optimizers", "rotate", {"--optimize", "rotate"}},
+        {"optimize_passes", 3, {"--optimize-passes", "3"}},
         {"optimize_on", "device", {"--optimize-on", "device"}},
         {"thread_count", 1, {"--threads", "1"}},
         {"search_radius", 9, {"--radius", "9"}},

@@ -2,6 +2,7 @@
 #include <clbvh/device/device.hpp>
 #include <clbvh/io/scene.hpp>
 #include <clbvh/optimizers.hpp>
+#include <clbvh/presets.hpp>
 #include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -52,9 +53,29 @@ TEST_CASE("builders lists the table of optimizers too") {
         CHECK(list[i]["id"] == optimizers()[i].id);
         CHECK(list[i]["title"] == optimizers()[i].title);
         CHECK(list[i]["paper"] == optimizers()[i].paper);
+        CHECK(list[i]["splits_first"] == optimizers()[i].splits_first);
         CHECK(list[i]["on_device"] == optimizers()[i].on_device);
         CHECK_THAT(table.out,
                    Contains(std::string(optimizers()[i].id)) && Contains(std::string(optimizers()[i].title)));
+    }
+}
+
+TEST_CASE("builders lists the presets, and which of them can run") {
+    const ordered_json list = json_of("builders")["presets"];
+    const Outcome table = run_tool({"builders"});
+    REQUIRE(list.size() == presets().size());
+    const ordered_json without_device =
+        ordered_json::parse(run_tool({"builders", "--json", "-"}, {"OCL_ICD_VENDORS=/nonexistent/"}).out)["presets"];
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        const PresetInfo& preset = presets()[i];
+        CHECK(list[i]["id"] == preset.id);
+        CHECK(list[i]["builder"] == preset.builder);
+        CHECK(list[i]["optimizers"] == preset.optimizers);
+        CHECK(list[i]["optimize_passes"] == preset.optimize_passes);
+        CHECK(list[i]["max_leaf_size"] == preset.max_leaf_size);
+        CHECK(list[i]["available"] == true);
+        CHECK(without_device[i]["available"] == (find_builder(preset.id).kind == BuilderKind::host));
+        CHECK_THAT(table.out, Contains(std::string(preset.id)) && Contains(std::string(preset.title)));
     }
 }
 

@@ -125,12 +125,12 @@ void check_result(const ordered_json& result, const Names& extra) {
 
 void check_options(const ordered_json& options) {
     INFO(options.dump(2));
-    const Names reals{"inner_cost", "primitive_cost", "split_alpha", "reference_budget"};
+    const Names reals{"inner_cost", "primitive_cost", "split_alpha", "reference_budget", "split_quota"};
     const Names choices{"shape",         "sort_shape",   "morton_code", "neighbour_encoding", "neighbour_search",
                         "hploc_quality", "hploc_search", "merge_pairs", "optimizers",         "optimize_on"};
-    const Names counts{"max_leaf_size", "bin_count",   "presplit_level", "thread_count",           "search_radius",
-                       "code_bits",     "chunk_size",  "range_count",    "single_group_threshold", "cluster_limit",
-                       "small_range",   "small_limit", "work_group_size"};
+    const Names counts{"max_leaf_size", "bin_count",   "presplit_level",  "thread_count",           "search_radius",
+                       "code_bits",     "chunk_size",  "range_count",     "single_group_threshold", "cluster_limit",
+                       "small_range",   "small_limit", "work_group_size", "optimize_passes"};
     for (const std::string& name : reals)
         CHECK(options.at(name).is_number_float());
     for (const std::string& name : choices)

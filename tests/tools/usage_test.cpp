@@ -30,7 +30,8 @@ TEST_CASE("help names every command, and of each command every option") {
     const Outcome outcome = run_tool({"--help"});
     CHECK(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
-    for (const char* command : {"devices", "builders", "scenes", "build", "bench", "tune", "trace", "metrics"}) {
+    for (const char* command :
+         {"devices", "builders", "scenes", "build", "bench", "tune", "trace", "metrics", "table"}) {
         CHECK_THAT(outcome.out, Contains(command));
         const Outcome help = run_tool({command, "--help"});
         CHECK(help.exit_code == 0);
@@ -38,10 +39,10 @@ TEST_CASE("help names every command, and of each command every option") {
         CHECK_THAT(help.out, Contains("--json FILE"));
     }
     CHECK_THAT(run_tool({"render", "--help"}).out, Contains("-o,--output FILE") && Contains("--mode NAME"));
-    const Words shared{"--device",   "--radius",       "--shape",      "--morton",         "--encoding",
-                       "--search",   "--threshold",    "--chunk",      "--work-group",     "--ranges",
-                       "--max-leaf", "--presplit",     "--inner-cost", "--primitive-cost", "--threads",
-                       "--bins",     "--longest-axis", "--alpha",      "--budget"};
+    const Words shared{"--device",   "--radius",    "--shape",        "--morton",     "--encoding",
+                       "--search",   "--threshold", "--chunk",        "--work-group", "--ranges",
+                       "--max-leaf", "--presplit",  "--split-quota",  "--inner-cost", "--primitive-cost",
+                       "--threads",  "--bins",      "--longest-axis", "--alpha",      "--budget"};
     for (const char* command : {"build", "bench"}) {
         const Outcome help = run_tool({command, "--help"});
         for (const std::string& option : shared)

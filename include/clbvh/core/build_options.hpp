@@ -77,8 +77,13 @@ struct BuildOptions {
     float reference_budget = 2.0f;       ///< sbvh: most references, as a multiple of the primitives, 1 to 8.
     std::uint32_t presplit_level = 0;    ///< Before any builder, split triangles that have an edge whose box is larger
                                          ///< than the scene's volume / 2^level, 1 to 40; the paper's is 14. 0: do not.
-    std::string optimizers;  ///< After any builder, before leaves are merged: ids of optimizers() with commas
-                             ///< between them, "reinsert" say. Empty: none.
+    float split_quota = 0.0f;  ///< Before any builder, split the triangles whose boxes have most to lose, so that
+                               ///< there are at most so many splits a triangle, above 0 to 4; 0.3 is the paper's
+                               ///< (see docs/presplit.md). 0: do not. Not with presplit_level.
+    std::string optimizers;    ///< After any builder, before leaves are merged: ids of optimizers() with commas
+                               ///< between them, "reinsert" say. Empty: none.
+    std::uint32_t optimize_passes = 0;  ///< Most passes of each of them, up to 1000 where they run on a device; 0: as
+                                        ///< many as it finds worth while.
     OptimizeOn optimize_on = OptimizeOn::host;  ///< Where they run; see OptimizeOn.
     std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
 

@@ -1,0 +1,194 @@
+#include "clbvh/optimize/rebuild.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "clbvh/host/sweep_sah.hpp"
+#include "core/bottom_up.hpp"
+#include "core/check_field.hpp"
+#include "optimize/edit_tree.hpp"
+#include "optimize/pass_clock.hpp"
+#include "optimize/run_optimizer.hpp"
+
+namespace clbvh {
+namespace {
+
+using optimizer::exact_half_area;
+
+constexpr std::uint32_t kPasses = 2;
+constexpr std::size_t kSubtreesBetweenLooks = 64;  // at the clock: some tens of milliseconds
+
+/// What there is below a node: slots of its sibling pairs, its leaves, and the summed half areas of its inner nodes.
+struct Subtree {
+    std::vector<std::uint32_t> pairs;
+    std::vector<Node> leaves;
+    double area = 0.0;
+
+    Subtree(std::span<const Node> nodes, std::uint32_t root) {
+        std::vector<std::uint32_t> stack{root};
+        while (!stack.empty()) {
+            const Node& node = nodes[stack.back()];
+            stack.pop_back();
+            if (node.is_leaf()) {
+                leaves.push_back(node);
+                continue;
+            }
+            area += exact_half_area(node);
+            pairs.push_back(node.first);
+            stack.insert(stack.end(), {node.first + 1, node.first});
+        }
+    }
+};
+
+/// The best tree of the greedy builder over these leaves: leaf i stands for leaves[i].
+Bvh build_over(std::span<const Node> leaves) {
+    std::vector<Aabb> boxes(leaves.size());
+    std::ranges::transform(leaves, boxes.begin(), [](const Node& leaf) {
+        return Aabb{{leaf.lower[0], leaf.lower[1], leaf.lower[2]}, {leaf.upper[0], leaf.upper[1], leaf.upper[2]}};
+    });
+    SweepSahConfig config;
+    config.max_leaf_size = 1;
+    return build_sweep_sah(boxes, config);
+}
+
+double inner_half_area(const Bvh& tree) {
+    double sum = exact_half_area(tree.nodes[0]);
+    for (std::size_t i = 2; i < tree.nodes.size(); ++i) {
+        if (!tree.nodes[i].is_leaf()) sum += exact_half_area(tree.nodes[i]);
+    }
+    return sum;
+}
+
+class Rebuilder {
+public:
+    Rebuilder(Bvh& tree, const RebuildConfig& config)
+        : nodes_(tree.nodes), config_(config), clock_("rebuild", config.budget, kPasses), sizes_(nodes_.size() / 2) {}
+
+    OptimizeStats run() {
+        count_leaves();
+        if (clock_.may_begin_pass() && rebuild_all(config_.subtree_leaves)) {
+            const bool is_whole = sizes_[nodes_[0].first / 2] <= config_.subtree_leaves;
+            const bool has_gained = gain_ >= double{config_.whole_gain} * area_;
+            if (!is_whole && has_gained && clock_.may_begin_pass())
+                rebuild_all(std::numeric_limits<std::uint32_t>::max());
+        }
+        return clock_.finish();
+    }
+
+private:
+    /// What a task finds out of its subtrees.
+    struct Sums {
+        double gain = 0.0;
+        std::uint64_t changes = 0;
+    };
+
+    void count_leaves() {
+        std::vector<double> areas(sizes_.size());
+        const auto visit = [&](std::uint32_t node) {
+            const std::uint32_t first = nodes_[node].first;
+            sizes_[first / 2] = size_of(nodes_[first]) + size_of(nodes_[first + 1]);
+            areas[first / 2] = exact_half_area(nodes_[node]);
+        };
+        Scratch scratch;
+        BottomUp<decltype(visit)>(nodes_, scratch, visit).run();
+        for (const double area : areas)
+            area_ += area;
+    }
+
+    [[nodiscard]] std::uint32_t size_of(const Node& node) const noexcept {
+        return node.is_leaf() ? 1 : sizes_[node.first / 2];
+    }
+
+    /// The largest subtrees of at most `most` leaves that can be built in more than one way.
+    [[nodiscard]] std::vector<std::uint32_t> subtrees(std::uint32_t most) const {
+        std::vector<std::uint32_t> found, stack{0};
+        while (!stack.empty()) {
+            const std::uint32_t slot = stack.back();
+            stack.pop_back();
+            const std::uint32_t size = size_of(nodes_[slot]);
+            if (size > most) {
+                stack.insert(stack.end(), {nodes_[slot].first + 1, nodes_[slot].first});
+            } else if (size > 2) {
+                found.push_back(slot);
+            }
+        }
+        return found;
+    }
+
+    /// One pass. False where the budget ended it; what was done until then stays.
+    bool rebuild_all(std::uint32_t most) {
+        const std::vector<std::uint32_t> roots = subtrees(most);
+        std::vector<Sums> sums(roots.size());
+        for (std::size_t begin = 0; begin < roots.size(); begin += kSubtreesBetweenLooks) {
+            if (!clock_.may_go_on(static_cast<double>(begin) / static_cast<double>(roots.size()))) return false;
+            const std::size_t end = std::min(roots.size(), begin + kSubtreesBetweenLooks);
+            tbb::parallel_for(begin, end, [&](std::size_t i) { sums[i] = rebuild_at(roots[i]); });
+        }
+        std::uint64_t changes = 0;
+        gain_ = 0.0;
+        for (const Sums& of_root : sums) {
+            gain_ += of_root.gain;
+            changes += of_root.changes;
+        }
+        clock_.end_pass(changes);
+        return true;
+    }
+
+    Sums rebuild_at(std::uint32_t root) {
+        const Subtree old(nodes_, root);
+        const Bvh tree = build_over(old.leaves);
+        const double area = inner_half_area(tree);
+        // The two sums add in different orders, and so differ by rounding where the trees are the same.
+        if (!(area < old.area * (1.0 - 1e-12))) return {};
+        write(root, tree, old);
+        return {old.area - area, 1};
+    }
+
+    /// Puts `tree` in the place of the subtree, in the pairs that it has.
+    void write(std::uint32_t root, const Bvh& tree, const Subtree& old) {
+        struct Place {
+            std::uint32_t slot;  // in nodes_,
+            std::uint32_t node;  // of what of `tree`
+        };
+        std::vector<Place> stack{{root, 0}};
+        std::size_t pairs_used = 0;
+        while (!stack.empty()) {
+            const Place place = stack.back();
+            stack.pop_back();
+            Node node = tree.nodes[place.node];
+            if (node.is_leaf()) {
+                nodes_[place.slot] = old.leaves[tree.primitive_ids[node.first]];
+                continue;
+            }
+            const std::uint32_t pair = old.pairs[pairs_used++];
+            stack.insert(stack.end(), {{pair + 1, node.first + 1}, {pair, node.first}});
+            node.first = pair;
+            nodes_[place.slot] = node;
+        }
+    }
+
+    std::vector<Node>& nodes_;
+    const RebuildConfig& config_;
+    optimizer::PassClock clock_;
+    std::vector<std::uint32_t> sizes_;  // leaves below the parent of pair p
+    double area_ = 0.0;                 // summed half areas of the inner nodes, before the first pass
+    double gain_ = 0.0;                 // what the last pass took off that
+};
+
+}  // namespace
+
+Bvh rebuild(Bvh tree, const RebuildConfig& config, OptimizeStats* stats) {
+    check_range("subtree_leaves", config.subtree_leaves, 3, std::numeric_limits<std::uint32_t>::max());
+    check_range("whole_gain", config.whole_gain, 0.0f, 1.0f);
+    return optimizer::run_optimizer(std::move(tree), "rebuilding", stats,
+                                    [&](Bvh& improved) { return Rebuilder(improved, config).run(); });
+}
+
+}  // namespace clbvh
