@@ -70,9 +70,9 @@ typedef struct {
     float scale;
 } Refit;
 
-// Boxes pass from group to group within the launch: word by word through atomics (between_groups.clh). On CPUs, which the
-// lane shape is for, whole vectors do, between the fences around the counter, and are several times as fast; Oclgrind
-// takes them for races, and is told not to.
+// Boxes pass from group to group within the launch: word by word through atomics (between_groups.clh). On CPUs, which
+// the lane shape is for, whole vectors do, between the fences around the counter, and are several times as fast;
+// Oclgrind takes them for races, and is told not to.
 #ifndef SHARES_BY_ATOMICS
 #define SHARES_BY_ATOMICS !LANE_SHAPE
 #endif
