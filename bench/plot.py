@@ -16,7 +16,7 @@ import sys
 
 sys.dont_write_bytecode = True  # the sources need not be where one may write
 
-from plotting.builders import draw_builders  # noqa: E402
+from plotting.builders import COSTS, draw_builders  # noqa: E402
 from plotting.data import BadInput, load  # noqa: E402
 from plotting.prediction import draw_predict  # noqa: E402
 from plotting.speeds import draw_rays, draw_speed  # noqa: E402
@@ -50,7 +50,9 @@ def parse_arguments():
 
     builders = add("builders", draw_builders, "Build time against SAH cost: geometric means over the scenes.")
     builders.add_argument("--baseline", default="binned-sah", metavar="ID",
-                          help="SAH is relative to it; default: %(default)s")
+                          help="costs are relative to it; default: %(default)s")
+    builders.add_argument("--cost", default="sah", choices=COSTS, help="what is drawn; default: %(default)s")
+    builders.add_argument("--line", type=word_list, default=[], metavar="A,B", help="builders that a line joins")
     add_leave_out(builders, ["median"])
     add_scenes(add("stages", draw_stages, "Time of each stage of the device builders, scene by scene."))
     speed = add("speed", draw_speed, "Build speed relative to one builder, scene by scene.")

@@ -8,17 +8,23 @@ LABEL_PLACES = [(6, 3, "left"), (6, -10, "left"), (-6, 3, "right"), (-6, -10, "r
                 (6, -22, "left"), (-6, 15, "right"), (-6, -22, "right")]
 
 
-def collect_builders(results, baseline, path):
-    """Builder to (kind, milliseconds per million triangles, SAH over the baseline's), geometric means over scenes."""
+COSTS = {"sah": "SAH cost", "binary_ns_per_ray": "time of rays, two children at a time,",
+         "ns_per_ray": "time of rays, eight children at a time,"}
+
+
+def collect_builders(results, cost, baseline, path):
+    """Builder to (kind, milliseconds per million triangles, cost over the baseline's), geometric means over scenes."""
     points = {}
     for of_scene in of_scenes(results, None, path).values():
-        unit = find_builder(of_scene, baseline, path)["sah"]
+        unit = find_builder(of_scene, baseline, path).get(cost)
+        if unit is None:
+            raise BadInput(f"{path} has no {cost}; run clbvh bench with --rays")
         for result in of_scene:
-            if result.get("sah") is None:
+            if result.get(cost) is None:
                 continue  # a peer whose tree cannot be read
             times, costs = points.setdefault(result["builder"], (kind_of(result), [], []))[1:]
             times.append(per_million(result))
-            costs.append(result["sah"] / unit)
+            costs.append(result[cost] / unit)
     return {name: (kind, geometric_mean(t), geometric_mean(c)) for name, (kind, t, c) in points.items()}
 
 
@@ -39,7 +45,7 @@ def add_labels(figure, axes, points):
 
 def draw_builders(results, arguments):
     results = without_sweeps(results, arguments.input)
-    points = collect_builders(results, arguments.baseline, arguments.input)
+    points = collect_builders(results, arguments.cost, arguments.baseline, arguments.input)
     points = {name: point for name, point in points.items() if name not in arguments.leave_out}
     if not points:
         raise BadInput(f"--leave-out leaves no builder of {arguments.input}")
@@ -48,9 +54,11 @@ def draw_builders(results, arguments):
         chosen = [p for p in points.values() if p[0] == kind]
         if chosen:
             axes.scatter([p[1] for p in chosen], [p[2] for p in chosen], color=colour, label=KIND_LABELS[kind], s=36)
+    line = [points[name] for name in arguments.line if name in points]
+    axes.plot([p[1] for p in line], [p[2] for p in line], color="#41ab5d", zorder=0)
     axes.set_xscale("log")
     axes.set_xlabel("milliseconds per million triangles (lower is faster)")
-    axes.set_ylabel(f"SAH cost over {arguments.baseline}'s (lower is better)")
+    axes.set_ylabel(f"{COSTS[arguments.cost]} \nover {arguments.baseline}'s (lower is better)")
     axes.grid(True, which="both", alpha=0.25)
     tidy(axes)
     axes.legend(frameon=False, fontsize=8)

@@ -21,8 +21,8 @@ namespace clbvh {
 /// After any exception the builder can be used again. One thread at a time.
 class Builder {
 public:
-    /// Of a builder, or of a preset. Opens the default device where the builder needs one. Throws what Context::open, find_builder and check_options
-    /// throw.
+    /// Of a builder, or of a preset. Opens the default device where the builder needs one. Throws what Context::open,
+    /// find_builder and check_options throw.
     explicit Builder(std::string_view builder_id, const BuildOptions& options = {});
     /// Runs on the caller's device; a host builder leaves it alone.
     Builder(std::string_view builder_id, Context context, const BuildOptions& options = {});
@@ -41,8 +41,8 @@ public:
     void upload(const Mesh& mesh);
     /// Builds from the uploaded mesh to a finished tree in the builder's own memory, and waits for it. With
     /// BuildOptions::max_leaf_size, presplit_level or split_quota, the host finishes the tree: leaves name the uploaded
-    /// triangles, each once a leaf, and are merged where that lowers the SAH cost. Throws Error(invalid_input) where nothing was
-    /// uploaded, Error(cancelled) where the progress callback said no.
+    /// triangles, each once a leaf, and are merged where that lowers the SAH cost. Throws Error(invalid_input) where
+    /// nothing was uploaded, Error(cancelled) where the progress callback said no.
     BuildStats run();
     /// A copy of the last finished tree. Throws Error(invalid_input) where there is none.
     [[nodiscard]] Bvh download() const;

@@ -30,7 +30,8 @@ struct BuilderInfo {
 /// Every builder of the library, in the order in which tables list them.
 [[nodiscard]] std::span<const BuilderInfo> builders() noexcept;
 
-/// The row of `id`, or of the builder that the preset `id` runs (see presets()). Throws Error(invalid_input) that lists the known ids.
+/// The row of `id`, or of the builder that the preset `id` runs (see presets()). Throws Error(invalid_input) that lists
+/// the known ids.
 [[nodiscard]] const BuilderInfo& find_builder(std::string_view id);
 
 }  // namespace clbvh
