@@ -133,3 +133,24 @@ TEST_CASE("the page of rays' costs is made from what metrics writes") {
     for (const char* part : {"**weights shared**", "| `sbvh` |", "gen:soup:500"})
         CHECK_THAT(page.text, Contains(part));
 }
+
+TEST_CASE("the page of presets has groups of scenes, and says what is missing") {
+    const ScratchFolder folder;
+    const std::string json = folder.path("presets.json");
+    run({"bench", "gen:city:1000", "gen:soup:500", "--builders", "presets", "--rays"}, json);
+    const Page page = make_page("presets.py", {json, "Towns=gen:city:1000", "Both=gen:city:1000,gen:soup:500"});
+    CHECK(page.success);
+    for (const char* part : {"## Towns", "## Both", "| `fast` | 1.000 | 1.000 | 1.000 | 1.000 | 1.000 |",
+                             "| `highest` |", "gen:soup:500, 500 triangles:"})
+        CHECK_THAT(page.text, Contains(part));
+    const auto refused = [&](const std::vector<std::string>& words, const std::string& part) {
+        const Page failed = make_page("presets.py", words);
+        CHECK_FALSE(failed.success);
+        CHECK_THAT(failed.text, Contains(part));
+    };
+    refused({json, "Towns"}, "'Towns' is no group");
+    refused({json, "Towns=gen:city:7"}, "gen:city:7, which was not measured");
+    const std::string plain = folder.path("plain.json");
+    run({"bench", "gen:soup:100", "--builders", "median"}, plain);
+    refused({plain}, "run clbvh bench with --rays");
+}

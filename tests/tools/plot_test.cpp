@@ -66,6 +66,20 @@ TEST_CASE("every figure is drawn from what bench writes") {
     }
 }
 
+TEST_CASE("builders are drawn over what rays cost, and some joined by a line") {
+    if (!can_plot()) return;
+    const ScratchFolder folder;
+    const std::string json = folder.path("rays.json"), png = folder.path("rays.png");
+    bench(json, {"gen:soup:1000", "--builders", "high,highest,median", "--rays"});
+    for (const char* cost : {"sah", "binary_ns_per_ray", "ns_per_ray"}) {
+        const Plotted plotted =
+            plot("builders --baseline high --line high,highest --cost " + (cost + (" " + json)) + " " + png);
+        INFO(plotted.text);
+        CHECK(plotted.success);
+        CHECK(is_png(png));
+    }
+}
+
 TEST_CASE("every sweep is drawn") {
     if (!can_plot()) return;
     const ScratchFolder folder;
@@ -141,6 +155,7 @@ TEST_CASE("figures say what their JSON lacks") {
     expect_failure("stages " + json, "has no device builder");
     expect_failure("bandwidth " + json, "has no device builder");
     expect_failure("builders " + json, "has no binned-sah on gen:soup:500");
+    expect_failure("builders --baseline median --cost ns_per_ray " + json, "run clbvh bench with --rays");
     expect_failure("speed " + json + " --baseline lbvh", "has no lbvh");
     expect_failure("speed " + json + " --baseline median --scenes gen:line", "has no scene 'gen:line'");
     expect_failure("sweep " + json, "holds no sweep");
