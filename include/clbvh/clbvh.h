@@ -60,7 +60,7 @@ typedef struct clbvh_options {
                                         those that split triangles first. Null or "": none. Copied. */
     float split_quota;               /**< Split triangles with the largest boxes first, so many times a triangle in all,
                                         above 0 to 4, say 0.3; 0: do not. Not with presplit_level. */
-    uint32_t unused;                 /**< 0. */
+    uint32_t optimize_passes;        /**< Most passes of each optimizer; 0: as many as it finds worth while. */
 } clbvh_options;
 
 /** A builder, on a device or on the host, with its programs, its memory and the last finished tree. One thread at a

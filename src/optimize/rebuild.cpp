@@ -126,8 +126,10 @@ private:
     bool rebuild_all(std::uint32_t most) {
         const std::vector<std::uint32_t> roots = subtrees(most);
         std::vector<Sums> sums(roots.size());
+        bool is_whole = true;
         for (std::size_t begin = 0; begin < roots.size(); begin += kSubtreesBetweenLooks) {
-            if (!clock_.may_go_on(static_cast<double>(begin) / static_cast<double>(roots.size()))) return false;
+            is_whole = clock_.may_go_on(static_cast<double>(begin) / static_cast<double>(roots.size()));
+            if (!is_whole) break;
             const std::size_t end = std::min(roots.size(), begin + kSubtreesBetweenLooks);
             tbb::parallel_for(begin, end, [&](std::size_t i) { sums[i] = rebuild_at(roots[i]); });
         }
@@ -137,8 +139,8 @@ private:
             gain_ += of_root.gain;
             changes += of_root.changes;
         }
-        clock_.end_pass(changes);
-        return true;
+        is_whole ? clock_.end_pass(changes) : clock_.break_off_pass(changes);
+        return is_whole;
     }
 
     Sums rebuild_at(std::uint32_t root) {
