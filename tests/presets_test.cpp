@@ -51,7 +51,8 @@ TEST_CASE("presets: what a caller sets wins") {
     CHECK(make_builder("balanced", options).options().optimize_passes == find_preset("balanced")->optimize_passes);
     options.optimize_passes = 5;
     CHECK(make_builder("balanced", options).options().optimize_passes == 5);
-    CHECK(with_preset("plocpp", options).optimize_passes == 0);
+    CHECK(with_preset("plocpp", options).optimize_passes == 5);
+    CHECK(with_preset("plocpp", {}).optimize_passes == 0);
 }
 
 TEST_CASE("presets: unknown ids are answered with builders and presets") {
