@@ -14,6 +14,7 @@
 #include "clbvh/io/scene.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
+#include "support/hard_trees.hpp"
 #include "support/meshes.hpp"
 
 using namespace clbvh;
@@ -113,6 +114,24 @@ TEST_CASE("refit: no triangle, one, and inactive ones") {
         const RefitStats stats = refit(tree, moved);
         CHECK(validate(tree, moved).error == "");
         CHECK(stats.sah_after == Approx(sah_cost(tree)));
+    }
+}
+
+TEST_CASE("refit: where the root has no area all nodes count as hit, before and after") {
+    const Mesh line = line_of_points(3000);
+    for (const std::uint32_t leaf_size : {0u, 8u}) {
+        BuildOptions options;
+        options.max_leaf_size = leaf_size;
+        Bvh tree = make_builder("plocpp", options).build(line);
+        Refitter refitter(tree);
+        double cost = sah_cost(tree);
+        for (const Mesh& frame : flat_and_other_frames(line)) {
+            const RefitStats stats = refitter.refit(tree, frame);
+            CHECK(stats.sah_before == Approx(cost).epsilon(1e-9));
+            cost = sah_cost(tree);
+            CHECK(cost > 0.0);
+            CHECK(stats.sah_after == Approx(cost).epsilon(1e-9));
+        }
     }
 }
 
