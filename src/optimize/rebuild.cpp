@@ -13,14 +13,12 @@
 #include "clbvh/host/sweep_sah.hpp"
 #include "core/bottom_up.hpp"
 #include "core/check_field.hpp"
-#include "optimize/edit_tree.hpp"
+#include "core/exact_areas.hpp"
 #include "optimize/pass_clock.hpp"
 #include "optimize/run_optimizer.hpp"
 
 namespace clbvh {
 namespace {
-
-using optimizer::exact_half_area;
 
 constexpr std::uint32_t kPasses = 2;
 constexpr std::size_t kSubtreesBetweenLooks = 64;  // at the clock: some tens of milliseconds
