@@ -6,7 +6,7 @@
 //   out    partial_costs [groups]: area times cost over the group's slots, or cost alone where the root has no area;
 //          root_area [1]
 //   launch a group for SLOTS_PER_GROUP slots
-// sum_flat_costs: for sums that were made before the root's area was known
+// sum_flat_costs: for sums that are made elsewhere, of area times cost alone
 //   in     as sum_costs
 //   inout  partial_costs [groups]: cost alone over the group's slots, where the root has no area; else nothing is done
 //   launch any number of groups

@@ -99,13 +99,17 @@ void refit_in_lanes(Launcher& launcher, const RefitSettings& settings, const Tre
     };
     const auto inner = static_cast<float>(settings.costs.inner);
     const auto primitive = static_cast<float>(settings.costs.primitive);
+    const auto sum_flat_costs = [&](const CostSums& sums) {
+        launch_flat_cost_sums(launcher, settings.work_group_size, tree, settings.costs, sums.partial,
+                              settings.ranges + 1);
+    };
+    sum_flat_costs(scratch.before);
     launcher.launch(kernel("refit_ranges"), settings.ranges, tree.nodes, order.order, order.ranges, primitive_ids,
                     scratch.bounds.boxes, inner, primitive, scratch.before.partial, scratch.after.partial);
     launch_on_tree(launcher, kernel("refit_top"), 1, tree, order.order, order.ranges, primitive_ids,
                    scratch.bounds.boxes, inner, primitive, scratch.before.partial, scratch.after.partial,
                    scratch.before.root_area, scratch.after.root_area);
-    launch_flat_cost_sums(launcher, settings.work_group_size, tree, settings.costs, scratch.after.partial,
-                          settings.ranges + 1);
+    sum_flat_costs(scratch.after);
 }
 
 void refit_in_groups(Launcher& launcher, const RefitSettings& settings, const TreeNodes& tree,
