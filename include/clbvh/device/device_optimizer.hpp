@@ -68,8 +68,8 @@ public:
     /// Enqueues the optimisers: they begin when the events in `wait_list` are complete, in an in-order queue also
     /// behind what was enqueued before, and `event`, where given, becomes the caller's own event of their end.
     ///
-    /// All memory is looked at as DeviceBuilder::enqueue does: throws Error(invalid_input) that names the first thing
-    /// wrong, before anything is enqueued. The values cannot be checked: for nodes that form no tree, for slots without
+    /// All memory is looked at as DeviceBuilder::enqueue does, the scratch where it takes any: throws
+    /// Error(invalid_input) that names the first thing wrong, before anything is enqueued. The values cannot be checked: for nodes that form no tree, for slots without
     /// a node that are not zero, and for an active count out of range the behaviour is undefined. A tree without
     /// leaves, as DeviceBuilder leaves it where no primitive is active, stays as it is.
     void enqueue(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& scratch,
