@@ -76,12 +76,13 @@ def print_correlations(document):
 
 
 def mean_rise(scenes, turned, builder, field):
-    """Over the scenes, in percent."""
+    """Over the scenes where the value is not 0 before, in percent; nothing where there are none."""
     rises = []
     for scene, results in scenes.items():
         before, after = ({r["builder"]: r[field] for r in of}[builder] for of in (results, turned[scene]))
-        rises.append(100 * (after / before - 1))
-    return f"{sum(rises) / len(rises):+.0f} %"
+        if before:
+            rises.append(100 * (after / before - 1))
+    return f"{sum(rises) / len(rises):+.0f} %" if rises else "-"
 
 
 def print_turned(document, scenes, turned):

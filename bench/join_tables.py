@@ -16,10 +16,21 @@ FITS = ("sah", "sah_epo", "sah_epo_lcv")
 SAME = ("options", "rotate_degrees", "anneal_passes")
 
 
+def made_on(document):
+    """The processor and the device: times on others do not go into one mean."""
+    device = document.get("device")
+    return (document.get("machine", {}).get("cpu", "an unknown processor"), device["name"] if device else "no device")
+
+
 def require_alike(documents, paths):
     for document, path in zip(documents, paths):
         if not document.get("results") or "correlation" not in document:
             raise BadInput(f"{path} holds neither a table nor metrics")
+        if "incomplete" in document:
+            raise BadInput(f"{path} is incomplete ({document['incomplete']}): measure it again")
+        if made_on(document) != made_on(documents[0]):
+            raise BadInput(f"{path} was measured on {' and '.join(made_on(document))}, "
+                           f"{paths[0]} on {' and '.join(made_on(documents[0]))}")
         if any(document.get(name) != documents[0].get(name) for name in SAME):
             raise BadInput(f"{path} was measured with other options than {paths[0]}")
     scenes = [scene for document in documents for scene in {r["scene"] for r in document["results"]}]

@@ -34,7 +34,7 @@ def load_benches(paths):
 
 
 def part(before, after):
-    return f"{100 * after / before:.1f} %"
+    return f"{100 * after / before:.1f} %" if before else "-"
 
 
 def print_kensler(benches):

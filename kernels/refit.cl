@@ -4,7 +4,10 @@
 //   in     boxes [primitives * 6] (bounds.cl), primitive_ids; the order of refit_order.cl
 //   inout  nodes [node_count] (tree_nodes.clh): only boxes are written
 // refit_ranges (lane shape)
-//   out    costs_before, costs_after [REFIT_RANGES + 1]: area times cost of all nodes of the group's range
+//   out    costs_before, costs_after [REFIT_RANGES + 1]: area times cost of all nodes of the group's range; before,
+//   cost
+//          alone where the root had no area. Whether it has one after is not known yet: sum_flat_costs (tree_cost.cl)
+//          mends those.
 //   launch REFIT_RANGES groups
 // refit_top (lane shape), one work item
 //   out    the last of either costs; area_before, area_after [1]: the root's
@@ -53,10 +56,12 @@ typedef struct {
     float2 before, after;         // of whole runs of pairs
     float run_before, run_after;  // of the run at hand
     float inner_cost, primitive_cost;
+    int was_flat;  // the tree's root
 } Costs;
 
 static inline void add_costs(Costs* costs, float8 before, float8 after) {
-    costs->run_before += node_cost_of(before, costs->inner_cost, costs->primitive_cost);
+    costs->run_before += costs->was_flat ? flat_cost_of(before, costs->inner_cost, costs->primitive_cost)
+                                         : node_cost_of(before, costs->inner_cost, costs->primitive_cost);
     costs->run_after += node_cost_of(after, costs->inner_cost, costs->primitive_cost);
 }
 
@@ -123,7 +128,9 @@ KERNEL void refit_ranges(global float* nodes, global const uint2* order, global 
                          global const uint* primitive_ids, global const float* boxes, float inner_cost,
                          float primitive_cost, global float2* costs_before, global float2* costs_after) {
     const size_t range = get_group_id(0);
-    Costs costs = {(float2)(0.0f), (float2)(0.0f), 0.0f, 0.0f, inner_cost, primitive_cost};
+    // The root is refit_top's to write.
+    const int was_flat = is_flat(vload8(0, nodes));
+    Costs costs = {(float2)(0.0f), (float2)(0.0f), 0.0f, 0.0f, inner_cost, primitive_cost, was_flat};
     refit_range(nodes, order, ranges[range + 1], ranges[range], primitive_ids, boxes, &costs);
     costs_before[range] = costs.before;
     costs_after[range] = costs.after;
@@ -133,9 +140,9 @@ KERNEL void refit_top(global float* nodes, TREE_SIZE_ARGUMENTS, global const uin
                       global const uint* primitive_ids, global const float* boxes, float inner_cost,
                       float primitive_cost, global float2* costs_before, global float2* costs_after,
                       global float* area_before, global float* area_after) {
-    Costs costs = {(float2)(0.0f), (float2)(0.0f), 0.0f, 0.0f, inner_cost, primitive_cost};
     const int is_there = TREE_SIZE > 0;
     const float8 root = vload8(0, nodes);
+    Costs costs = {(float2)(0.0f), (float2)(0.0f), 0.0f, 0.0f, inner_cost, primitive_cost, is_flat(root)};
     const uint pairs = ranges[REFIT_RANGES];
     *area_before = is_there ? half_area_of(root) : 0.0f;
     refit_range(nodes, order, 0, pairs, primitive_ids, boxes, &costs);

@@ -61,7 +61,8 @@ struct Share {
     double end;
 };
 Share share_of_builder(const BuildOptions& options) {
-    return {needs_splitting(options) ? 0.1 : 0.0, needs_finish(options) ? 0.9 : 1.0};
+    const double end = optimizes_on_host(options) ? 0.5 : 0.9;
+    return {needs_splitting(options) ? 0.1 : 0.0, needs_finish(options) ? end : 1.0};
 }
 
 BuildOptions options_of_builder(const BuildOptions& options) {

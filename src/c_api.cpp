@@ -41,8 +41,10 @@ clbvh_error guarded(Body&& body) noexcept {
     }
 }
 
-// The first options that there were: no caller knows fewer.
+// The first structures that there were: no caller knows fewer fields.
 constexpr std::size_t kSmallestOptions = offsetof(clbvh_options, inner_cost);
+constexpr std::size_t kSmallestBudget = offsetof(clbvh_budget, progress_user) + sizeof(void*);
+constexpr std::size_t kSmallestStats = offsetof(clbvh_optimize_stats, is_cancelled) + sizeof(std::uint32_t);
 
 void require(bool condition, const char* message) {
     if (!condition) {
@@ -77,7 +79,7 @@ clbvh_options default_options() {
             defaults.code_bits,
             nullptr,
             defaults.split_quota,
-            0};
+            defaults.optimize_passes};
 }
 
 /// False where the callback says stop.
@@ -115,6 +117,7 @@ clbvh::BuildOptions to_build_options(const clbvh_options* given) {
     result.code_bits = options.code_bits;
     if (options.optimizers != nullptr) result.optimizers = options.optimizers;
     result.split_quota = options.split_quota;
+    result.optimize_passes = options.optimize_passes;
     if (options.progress != nullptr) {
         result.progress = [options](const clbvh::Progress& progress) {
             return report(options.progress, options.progress_user, progress);
@@ -126,7 +129,7 @@ clbvh::BuildOptions to_build_options(const clbvh_options* given) {
 clbvh::OptimizeBudget to_budget(const clbvh_budget* given) {
     clbvh::OptimizeBudget result;
     if (given == nullptr) return result;
-    require(given->size >= sizeof(clbvh_budget), "clbvh_budget.size is not set to sizeof(clbvh_budget)");
+    require(given->size >= kSmallestBudget, "clbvh_budget.size is not set to sizeof(clbvh_budget)");
     require(given->milliseconds >= 0.0, "clbvh_budget.milliseconds is negative or not a number");
     result.passes = given->passes;
     result.milliseconds = given->milliseconds;
@@ -204,19 +207,20 @@ clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_
     return guarded([&] {
         require_tree(builder);
         require(ids != nullptr, "ids is null");
-        require(stats == nullptr || stats->size >= sizeof(*stats),
+        require(stats == nullptr || stats->size >= kSmallestStats,
                 "clbvh_optimize_stats.size is not set to sizeof(clbvh_optimize_stats)");
         clbvh::OptimizeStats done;
         clbvh::Bvh better = clbvh::optimize(builder->bvh, ids, to_budget(budget), &done);
         if (stats != nullptr) {
-            *stats = {stats->size,
-                      done.passes,
-                      done.changes,
-                      done.milliseconds,
-                      clbvh::sah_cost(builder->bvh),
-                      clbvh::sah_cost(better),
-                      done.is_cancelled ? 1u : 0u,
-                      0};
+            const clbvh_optimize_stats known{stats->size,
+                                             done.passes,
+                                             done.changes,
+                                             done.milliseconds,
+                                             clbvh::sah_cost(builder->bvh),
+                                             clbvh::sah_cost(better),
+                                             done.is_cancelled ? 1u : 0u,
+                                             0};
+            std::memcpy(stats, &known, std::min<std::size_t>(stats->size, sizeof(known)));
         }
         builder->refitter.reset();
         builder->bvh = std::move(better);

@@ -17,13 +17,24 @@ namespace {
 
 using device::CallerMemory;
 
+/// A preset may ask for what its caller did not name.
+void check_preset(std::string_view id, const BuilderRow& row, const BuildOptions& given) {
+    const PresetInfo* const preset = find_preset(id);
+    if (preset == nullptr || preset->max_leaf_size == 0 || given.max_leaf_size != 0) return;
+    throw Error(ErrorCode::unsupported,
+                "the preset " + std::string(id) + " merges leaves, which is the host's work; DeviceBuilder takes " +
+                    std::string(row.info.id) + " with optimizers " + std::string(preset->optimizers));
+}
+
 /// The row of `id`, where it can build with these options on a device and with nothing else.
-const BuilderRow& device_row(std::string_view id, const BuildOptions& options) {
+const BuilderRow& device_row(std::string_view id, const BuildOptions& given) {
     const BuilderRow& row = find_builder_row(id);
+    const BuildOptions options = with_preset(id, given);
     check_options(options);
     if (row.info.kind == BuilderKind::host) {
         throw Error(ErrorCode::unsupported, std::string(id) + " runs on the host; DeviceBuilder takes device builders");
     }
+    check_preset(id, row, given);
     device::check_device_options("DeviceBuilder", options);
     static_cast<void>(find_device_optimizers(options.optimizers));
     return row;
@@ -34,7 +45,7 @@ const BuilderRow& device_row(std::string_view id, const BuildOptions& options) {
 struct DeviceBuilder::State {
     State(std::string_view builder_id, Context chosen_context, const BuildOptions& chosen_options)
         : options(with_preset(builder_id, chosen_options)),
-          row(device_row(builder_id, options)),
+          row(device_row(builder_id, chosen_options)),
           context(std::move(chosen_context)),
           settings(device::prepare_pipeline(context.session(), *row.device_algorithm, options)),
           optimizers(make_optimizer_chain(context.session(), options)),

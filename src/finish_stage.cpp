@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "host/collapse.hpp"
 #include "host/host_stages.hpp"
@@ -12,6 +13,8 @@
 
 namespace clbvh {
 namespace {
+
+constexpr double kCollapseBegins = 0.95;  // of the whole build
 
 std::uint64_t bytes_of(const Bvh& tree) {
     return tree.nodes.size() * sizeof(Node) + tree.primitive_ids.size() * sizeof(std::uint32_t);
@@ -35,11 +38,11 @@ void name_sources(Bvh& tree, std::span<const std::uint32_t> sources) {
 
 void FinishStage::optimize(Bvh& tree, host::HostStages& stages, double begin) const {
     constexpr std::uint64_t kWork = 1000;
-    std::string_view ids = options_.optimizers;
-    while (!ids.empty()) {
-        const std::string_view id = ids.substr(0, ids.find(','));
-        ids.remove_prefix(std::min(id.size() + 1, ids.size()));
-        stages.begin(id, begin, 0.95, kWork);
+    const std::vector<std::string_view> ids = optimizer_ids(options_.optimizers);
+    const double share = (kCollapseBegins - begin) / static_cast<double>(ids.size());
+    for (const std::string_view id : ids) {
+        stages.begin(id, begin, begin + share, kWork);
+        begin += share;
         OptimizeBudget budget;
         budget.passes = options_.optimize_passes;
         std::uint64_t done = 0;
@@ -56,11 +59,11 @@ void FinishStage::optimize(Bvh& tree, host::HostStages& stages, double begin) co
 
 void FinishStage::run(Backend& backend, const Input& input, double begin, BuildStats& stats) {
     host::HostStages stages(options_.progress);
-    const double middle = 0.5 * (begin + 1.0);
+    const double middle = begin + 0.1 * (kCollapseBegins - begin);
     if (backend.is_remote()) stages.begin("download", begin, middle);
     Bvh& tree = backend.tree();
     if (optimizes_on_host(options_)) optimize(tree, stages, middle);
-    stages.begin("collapse", 0.95, 1.0);
+    stages.begin("collapse", kCollapseBegins, 1.0);
     if (input.is_presplit) {
         name_sources(tree, input.sources);
         tree.split_references = true;

@@ -10,6 +10,9 @@
 
 namespace clbvh {
 
+/// The ids of a list with commas between them; none where it is empty.
+[[nodiscard]] std::vector<std::string_view> optimizer_ids(std::string_view list);
+
 /// Runs the optimiser `id` within a build, where triangles have been split before if it asks for that.
 [[nodiscard]] Bvh run_optimizer(Bvh tree, std::string_view id, const OptimizeBudget& budget,
                                 OptimizeStats* stats = nullptr);

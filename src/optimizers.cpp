@@ -81,13 +81,19 @@ const OptimizerRow& find_row(std::string_view id) {
 /// The rows of ids with commas between them.
 std::vector<const OptimizerRow*> find_rows(std::string_view ids) {
     std::vector<const OptimizerRow*> rows;
-    while (!ids.empty()) {
-        const std::size_t comma = std::min(ids.find(','), ids.size());
-        rows.push_back(&find_row(ids.substr(0, comma)));
-        if (comma + 1 == ids.size()) find_row("");
-        ids.remove_prefix(std::min(comma + 1, ids.size()));
-    }
+    for (const std::string_view id : optimizer_ids(ids))
+        rows.push_back(&find_row(id));
     return rows;
+}
+
+/// The budget of the i-th of `count` optimisers, whose progress is a part of the whole.
+OptimizeBudget part_of(const OptimizeBudget& budget, std::size_t i, std::size_t count) {
+    OptimizeBudget part = budget;
+    if (!budget.progress) return part;
+    part.progress = [progress = budget.progress, i, count](const Progress& of_part) {
+        return progress({of_part.stage, (static_cast<double>(i) + of_part.fraction) / static_cast<double>(count)});
+    };
+    return part;
 }
 
 [[noreturn]] void refuse_finished_tree(std::string_view id) {
@@ -114,6 +120,17 @@ std::span<const OptimizerInfo> optimizers() noexcept {
 
 const OptimizerInfo& find_optimizer(std::string_view id) {
     return optimizers()[static_cast<std::size_t>(&find_row(id) - kRows)];
+}
+
+std::vector<std::string_view> optimizer_ids(std::string_view list) {
+    std::vector<std::string_view> ids;
+    if (list.empty()) return ids;
+    for (std::size_t begin = 0; begin <= list.size();) {
+        const std::size_t end = std::min(list.find(',', begin), list.size());
+        ids.push_back(list.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return ids;
 }
 
 Bvh run_optimizer(Bvh tree, std::string_view id, const OptimizeBudget& budget, OptimizeStats* stats) {
@@ -164,9 +181,9 @@ Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget, Optim
         if (row->info.splits_first) refuse_finished_tree(row->info.id);
     }
     OptimizeStats sums;
-    for (const OptimizerRow* row : rows) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
         OptimizeStats of_row;
-        tree = row->run(std::move(tree), budget, of_row);
+        tree = rows[i]->run(std::move(tree), part_of(budget, i, rows.size()), of_row);
         sums.passes += of_row.passes;
         sums.changes += of_row.changes;
         sums.milliseconds += of_row.milliseconds;

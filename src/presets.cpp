@@ -26,8 +26,11 @@ const PresetInfo* find_preset(std::string_view id) noexcept {
 }
 
 BuildOptions with_preset(const PresetInfo& preset, BuildOptions options) {
-    if (options.optimizers.empty()) options.optimizers = preset.optimizers;
-    if (options.optimize_passes == 0) options.optimize_passes = preset.optimize_passes;
+    if (options.optimizers.empty()) {
+        options.optimizers = preset.optimizers;
+        // The passes are these optimizers': others come with limits of their own.
+        if (options.optimize_passes == 0) options.optimize_passes = preset.optimize_passes;
+    }
     if (options.max_leaf_size == 0) options.max_leaf_size = preset.max_leaf_size;
     return options;
 }

@@ -28,6 +28,8 @@ void PresplitStage::run(const Mesh& mesh, double end) {
     stats_ = stages.finish();
     stats_.peak_host_bytes = parts_.mesh.vertices.size() * sizeof(Vec3) + parts_.source.size() * sizeof(std::uint32_t) +
                              (parts_.mesh.triangles.size() + triangles_.triangles.size()) * sizeof(Triangle);
+    if (options_.split_quota > 0.0f)
+        stats_.peak_host_bytes += mesh.triangles.size() * host::SplitPlan::kBytesPerTriangle;
 }
 
 void PresplitStage::book(BuildStats& stats) const {

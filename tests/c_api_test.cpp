@@ -239,6 +239,7 @@ TEST_CASE("builds through the C interface run optimizers and split by a quota") 
         std::string copied(ids);
         options.optimizers = copied.c_str();
         options.split_quota = 0.2f;
+        options.optimize_passes = 1;
         CBuilder c;
         REQUIRE(clbvh_create_builder("binned-sah", nullptr, &options, &c.handle) == CLBVH_OK);
         copied.assign(copied.size(), '?');
@@ -246,6 +247,7 @@ TEST_CASE("builds through the C interface run optimizers and split by a quota") 
         clbvh::BuildOptions same;
         same.optimizers = ids;
         same.split_quota = 0.2f;
+        same.optimize_passes = 1;
         const clbvh::Bvh expected = clbvh::build(mesh, "binned-sah", same);
         CHECK(tree_of(c.handle, 3000).nodes == expected.nodes);
         CHECK(clbvh_has_split_references(c.handle) == 1);
@@ -292,6 +294,22 @@ TEST_CASE("a finished tree is improved through the C interface, within a budget"
     CHECK(clbvh_optimize(c.handle, "rotate", &budget, &stats) == CLBVH_OK);
     CHECK(stats.is_cancelled == 1);
     CHECK(clbvh::validate(tree_of(c.handle, 5000), mesh).error == "");
+
+    // Callers that were compiled with a later version know more fields; those are theirs alone.
+    struct {
+        clbvh_optimize_stats known;
+        std::uint64_t later;
+    } stats_to_come{{}, 42};
+    struct {
+        clbvh_budget known;
+        std::uint64_t later;
+    } budget_to_come{{}, 43};
+    stats_to_come.known.size = sizeof stats_to_come;
+    budget_to_come.known.size = sizeof budget_to_come;
+    CHECK(clbvh_optimize(c.handle, "rotate", &budget_to_come.known, &stats_to_come.known) == CLBVH_OK);
+    CHECK(stats_to_come.known.size == sizeof stats_to_come);
+    CHECK(stats_to_come.known.sah_after > 1.0);
+    CHECK(stats_to_come.later == 42);
 
     const clbvh::Bvh last = tree_of(c.handle, 5000);
     budget.size = 0;

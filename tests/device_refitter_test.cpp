@@ -88,6 +88,30 @@ TEST_CASE("device refitter: larger trees, chains, slots without a node, and hard
     expect_refit(make_builder("plocpp").build(mesh), points);
 }
 
+TEST_CASE("device refitter: where the root has no area all nodes count as hit, before and after") {
+    const Mesh line = line_of_points(3000);
+    BuildOptions wide_leaves;
+    wide_leaves.max_leaf_size = 8;
+    for (const Bvh& tree : {make_builder("lbvh").build(line), make_builder("plocpp", wide_leaves).build(line)}) {
+        for (const Shape shape : kBothShapes) {
+            INFO(to_string(shape));
+            DeviceRefitter refitter = make_refitter(shape);
+            const RefitMemory memory(refitter, tree, line);
+            refitter.enqueue_order(shared_queue(), memory.nodes(), memory.order());
+            double cost = sah_cost(tree);
+            for (const Mesh& frame : flat_and_other_frames(line)) {
+                refitter.enqueue_quality(shared_queue(), memory.nodes(), memory.scratch(), memory.sah());
+                CHECK(memory.read_sah()[0] == Approx(cost).epsilon(1e-6));
+                const double before = cost;
+                memory.move(frame);
+                refitter.enqueue(shared_queue(), memory.nodes(), memory.refit());
+                cost = sah_cost(memory.read_tree());
+                expect_costs(memory.read_sah(), before, cost);
+            }
+        }
+    }
+}
+
 TEST_CASE("device refitter: primitives with a NaN count for nothing, and leaves with none but such are empty") {
     const Mesh mesh = random_triangles(300);
     BuildOptions options;

@@ -227,16 +227,36 @@ TEST_CASE("optimizers: several run one after the other, also behind a builder, a
     }
 }
 
+TEST_CASE("optimizers: the progress of several is one, and never falls") {
+    const Mesh mesh = generate_scene("city", 5000);
+    const Bvh tree = make_builder("lbvh").build(mesh);
+    double last = 0.0, rotated = 1.0;
+    OptimizeBudget budget = short_budget();
+    budget.progress = [&](const Progress& progress) {
+        CHECK(progress.fraction >= last);
+        CHECK(progress.fraction <= 1.0);
+        last = progress.fraction;
+        if (progress.stage == "rotate") rotated = last;
+        return true;
+    };
+    static_cast<void>(optimize(tree, "rotate,reinsert", budget));
+    CHECK(rotated <= 0.5);
+    CHECK(last >= 0.5);
+}
+
 TEST_CASE("optimizers: a build with one can be cancelled in it, and then built again") {
     const Mesh mesh = generate_scene("city", 20000);
-    BuildOptions options;
-    bool cancels = true;
-    options.optimizers = "anneal";
-    options.progress = [&](const Progress& progress) { return progress.stage != "anneal" || !cancels; };
-    Builder builder = make_builder("binned-sah", options);
-    expect_error(ErrorCode::cancelled, {"cancelled"}, [&] { static_cast<void>(builder.build(mesh)); });
-    BuildOptions quick = options;
-    quick.optimizers = "rotate";
-    cancels = false;
-    CHECK(validate(make_builder("binned-sah", quick).build(mesh), mesh).error == "");
+    for (const char* const id : {"binned-sah", "lbvh"}) {
+        BuildOptions options;
+        options.optimizers = "rotate";
+        const Bvh expected = make_builder(id, options).build(mesh);
+        bool cancels = true;
+        options.progress = [&](const Progress& progress) { return progress.stage != "rotate" || !cancels; };
+        Builder builder = make_builder(id, options);
+        expect_error(ErrorCode::cancelled, {"cancelled"}, [&] { static_cast<void>(builder.build(mesh)); });
+        cancels = false;
+        builder.run();  // over the mesh that is there
+        CHECK(same_bytes(builder.download(), expected));
+        CHECK(same_bytes(builder.build(mesh), expected));
+    }
 }

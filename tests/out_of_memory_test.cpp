@@ -1,5 +1,7 @@
-// Memory that runs out: every allocation of a host build fails once, and every buffer of a device build with
-// optimisers, and each time an Error(out_of_memory) comes out, and the builder still works.
+// Memory that runs out: every allocation of a host build or a refit fails once, and every buffer of a device build with
+// optimisers, and each time an Error(out_of_memory) comes out, and the builder or the refitter still works.
+#include <tbb/task_arena.h>
+
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -8,7 +10,10 @@
 #include "clbvh/core/error.hpp"
 #include "clbvh/device/device_optimizer.hpp"
 #include "clbvh/io/scene.hpp"
+#include "clbvh/optimize/refit.hpp"
 #include "support/builders.hpp"
+#include "support/fitted_by_definition.hpp"
+#include "support/meshes.hpp"
 #include "support/opencl_calls.hpp"
 
 namespace {
@@ -49,6 +54,26 @@ bool try_build(Builder& builder, const Mesh& mesh, long allowed) {
         builder.upload(mesh);
         builder.run();
         allocations_left = -1;
+        return true;
+    } catch (const Error& error) {
+        allocations_left = -1;
+        REQUIRE(error.code() == ErrorCode::out_of_memory);
+        return false;
+    } catch (const std::bad_alloc&) {
+        allocations_left = -1;
+        FAIL("std::bad_alloc came out");
+    }
+    return false;
+}
+
+/// As try_build(), of a refit on one thread.
+bool try_refit(Refitter& refitter, Bvh& tree, const Mesh& mesh, long allowed) {
+    try {
+        tbb::task_arena(1).execute([&] {
+            allocations_left = allowed;
+            refitter.refit(tree, mesh);
+            allocations_left = -1;
+        });
         return true;
     } catch (const Error& error) {
         allocations_left = -1;
@@ -111,6 +136,26 @@ TEST_CASE("device memory that runs out anywhere in a build with optimizers is an
         REQUIRE(same_bytes(fresh.build(mesh), expected));
     }
     CHECK(failures > 20);
+}
+
+TEST_CASE("an allocation that fails anywhere in a refit is an Error, and the next refit puts all boxes right") {
+    const Mesh mesh = generate_scene("city", 20000);
+    const Mesh moved = scaled(mesh, 2.0f);
+    const Bvh tree = make_builder("plocpp").build(mesh);
+    const Bvh expected = fitted_by_definition(tree, moved);
+    bool were_boxes_written = false;
+    long allowed = 0;
+    for (;; ++allowed) {
+        INFO("allocation " << allowed);
+        Bvh given = tree;
+        Refitter refitter(tree);
+        if (try_refit(refitter, given, moved, allowed)) break;
+        were_boxes_written = were_boxes_written || !same_bytes(given, tree);
+        refitter.refit(given, moved);
+        REQUIRE(same_bytes(given, expected));
+    }
+    CHECK(allowed > 0);
+    CHECK(were_boxes_written);
 }
 
 TEST_CASE("an allocation that fails before a tree goes to the device is an Error, and the optimizer still works") {

@@ -46,8 +46,13 @@ TEST_CASE("presets: what a caller sets wins") {
     const BuildOptions merged = make_builder("balanced", options).options();
     CHECK(merged.max_leaf_size == 2);
     CHECK(merged.optimizers == "rotate");
-    CHECK(merged.optimize_passes == find_preset("balanced")->optimize_passes);
-    CHECK(with_preset("plocpp", options).optimize_passes == 0);
+    CHECK(merged.optimize_passes == 0);
+    options.optimizers.clear();
+    CHECK(make_builder("balanced", options).options().optimize_passes == find_preset("balanced")->optimize_passes);
+    options.optimize_passes = 5;
+    CHECK(make_builder("balanced", options).options().optimize_passes == 5);
+    CHECK(with_preset("plocpp", options).optimize_passes == 5);
+    CHECK(with_preset("plocpp", {}).optimize_passes == 0);
 }
 
 TEST_CASE("presets: unknown ids are answered with builders and presets") {
@@ -58,7 +63,7 @@ TEST_CASE("presets: unknown ids are answered with builders and presets") {
 
 TEST_CASE("presets: from device memory where nothing of them is the host's work") {
     CHECK(DeviceBuilder("fast", shared_context()).info().id == "plocpp");
-    expect_error(ErrorCode::unsupported, {"max_leaf_size"},
+    expect_error(ErrorCode::unsupported, {"the preset balanced merges leaves", "hploc with optimizers reinsert"},
                  [] { static_cast<void>(DeviceBuilder("balanced", shared_context())); });
     expect_error(ErrorCode::unsupported, {"host"}, [] { static_cast<void>(DeviceBuilder("high", shared_context())); });
 }

@@ -25,7 +25,7 @@ void bench_rays(std::span<BuildResult> results, std::span<const std::unique_ptr<
     const RaySet set{RayKind::diffuse, make_rays(RayKind::diffuse, mesh, closest_hits_of(*engines.front()), camera,
                                                  {std::uint64_t{1} << 18, 1})};
     if (set.rays.empty()) return;
-    traced.measure(set, runs, progress);
+    traced.measure(*engines.front(), set, runs, progress);
     for (std::size_t i = 0; i < results_of.size(); ++i) {
         results_of[i]->rays = traced.cost(i);
         results_of[i]->binary_ns_per_ray = traced.binary_cost(i).ns_per_ray();

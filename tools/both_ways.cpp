@@ -7,8 +7,8 @@ void BothWays::add(const std::string& name, RayEngine& engine) {
     entrants_.push_back({name + ", binary", &counting_.emplace_back(engine, counts_)});
 }
 
-void BothWays::measure(const RaySet& set, std::size_t runs, RoundsProgress& progress) {
-    costs_ = measure_rays(entrants_, set, runs, progress);
+void BothWays::measure(RayEngine& reference, const RaySet& set, std::size_t runs, RoundsProgress& progress) {
+    costs_ = measure_rays(entrants_, reference, set, runs, progress);
 }
 
 }  // namespace clbvh::tool

@@ -21,7 +21,7 @@ public:
     void add(const std::string& name, RayEngine& engine);
 
     /// As measure_rays().
-    void measure(const RaySet& set, std::size_t runs, RoundsProgress& progress);
+    void measure(RayEngine& reference, const RaySet& set, std::size_t runs, RoundsProgress& progress);
 
     /// Of the i-th engine that was added, once they were measured.
     [[nodiscard]] const RayCost& cost(std::size_t i) const { return costs_[2 * i]; }

@@ -73,9 +73,11 @@ void summarize_runs(BuildResult& result, std::span<const BuildStats> runs) {
 void describe_builder(BuildResult& result, const Builder& builder) {
     result.builder = builder.id();
     result.kind = builder.info().kind;
-    if (result.kind == BuilderKind::host) result.threads = host_threads(builder.options());
+    const BuildOptions& options = builder.options();
+    if (result.kind == BuilderKind::host) result.threads = host_threads(options);
     result.shape = builder.shape();
-    result.radius = reads_search_radius(builder.info(), builder.options()) ? builder.options().search_radius : 0;
+    result.radius = reads_search_radius(builder.info(), options) ? options.search_radius : 0;
+    result.options = {options.optimizers, options.optimize_passes, options.max_leaf_size, options.split_quota};
 }
 
 void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool validated) {

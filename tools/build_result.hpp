@@ -22,16 +22,25 @@ struct SweptValue {
     std::uint64_t value = 0;
 };
 
+/// Of the options that a preset or an optimizer may have set, those that a builder ran with.
+struct OptionsInUse {
+    std::string optimizers;
+    std::uint32_t optimize_passes = 0;
+    std::uint32_t max_leaf_size = 0;
+    float split_quota = 0.0f;
+};
+
 /// What one builder did on one scene: in one run, or over the runs of a benchmark.
 struct BuildResult {
     std::string scene;
     std::uint64_t triangles = 0;
     std::string builder;
     BuilderKind kind = BuilderKind::device;
-    bool is_peer = false;            ///< A builder of another library.
-    Shape shape = Shape::automatic;  ///< automatic for a host builder.
-    std::uint32_t radius = 0;        ///< 0 for a builder without a search radius.
-    std::uint32_t threads = 0;       ///< Of a host builder; 0 elsewhere.
+    bool is_peer = false;                 ///< A builder of another library.
+    Shape shape = Shape::automatic;       ///< automatic for a host builder.
+    std::uint32_t radius = 0;             ///< 0 for a builder without a search radius.
+    std::uint32_t threads = 0;            ///< Of a host builder; 0 elsewhere.
+    std::optional<OptionsInUse> options;  ///< Absent for a peer.
     Sample build_ms;
     std::vector<StageStats> stages;  ///< Medians of the times.
     Sample launch_overhead_ms;  ///< Of a device builder: the build less the time in kernels and in stages on the host.
@@ -71,7 +80,7 @@ struct BuildResult {
 /// Fills the fields from `build_ms` to `inactive_primitives` with what `runs` cost, of which there is at least one.
 void summarize_runs(BuildResult& result, std::span<const BuildStats> runs);
 
-/// Fills the fields from `builder` to `threads`.
+/// Fills the fields from `builder` to `options`.
 void describe_builder(BuildResult& result, const Builder& builder);
 
 /// Fills the number of triangles and the fields from `has_tree` to `validation_error`.

@@ -95,7 +95,7 @@ private:
             const Mesh mesh = load(scene);
             std::vector<BuildResult> of_scene = bench_scene(settings_, scene, mesh, bar);
             bar.erase();
-            report_.print_tables(scene_report(choice_.context, of_scene) + peers_note() + '\n');
+            report_.print_tables(scene_report(choice_.context, of_scene) + peers_note(of_scene) + '\n');
             if (arguments_.stages) report_.print(stage_report(of_scene) + '\n');
             std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
         }
@@ -126,9 +126,12 @@ private:
         }
     }
 
-    [[nodiscard]] std::string peers_note() const {
-        const BuildOptions& options = arguments_.build.options;
-        const bool is_unequal = options.presplit_level > 0 || options.split_quota > 0.0f || !options.optimizers.empty();
+    /// A preset has optimizers, and an optimizer a quota of splits, without an option that says so.
+    [[nodiscard]] std::string peers_note(std::span<const BuildResult> of_scene) const {
+        const bool is_unequal =
+            arguments_.build.options.presplit_level > 0 || std::ranges::any_of(of_scene, [](const BuildResult& result) {
+                return result.options && (result.options->split_quota > 0.0f || !result.options->optimizers.empty());
+            });
         return arguments_.peers && is_unequal ? "Embree's builders ran without presplitting and optimizers\n" : "";
     }
 

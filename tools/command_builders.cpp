@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "build_result.hpp"
 #include "command.hpp"
@@ -17,6 +19,8 @@
 
 namespace clbvh::tool {
 namespace {
+
+using nlohmann::ordered_json;
 
 /// Why no device builder can run here; empty where they can.
 std::string missing_device() {
@@ -44,53 +48,76 @@ std::string dash_unless(std::uint32_t value) {
     return value == 0 ? "-" : std::to_string(value);
 }
 
+/// A table for people, and the same as JSON.
+struct Listing {
+    explicit Listing(std::vector<std::string> header) : table(std::move(header), Table::Align::left) {}
+
+    Table table;
+    ordered_json entries = ordered_json::array();
+};
+
+/// `missing` is missing_device()'s.
+Listing list_builders(const std::string& missing) {
+    Listing listing({"builder", "runs on", "available", "radius", "paper", "title"});
+    for (const BuilderInfo& builder : builders()) {
+        const std::string_view reason = builder.kind == BuilderKind::device ? missing : std::string_view{};
+        listing.table.add_row({std::string(builder.id), std::string(to_string(builder.kind)),
+                               reason.empty() ? "yes" : "no", radius_text(builder), std::string(builder.paper),
+                               std::string(builder.title)});
+        listing.entries.push_back({{"id", builder.id},
+                                   {"title", builder.title},
+                                   {"paper", builder.paper},
+                                   {"kind", to_string(builder.kind)},
+                                   {"uses_search_radius", builder.uses_search_radius},
+                                   {"available", reason.empty()}});
+        if (!reason.empty()) listing.entries.back()["reason"] = reason;
+    }
+    return listing;
+}
+
+Listing list_optimizers() {
+    Listing listing({"optimizer", "runs on", "paper", "title"});
+    for (const OptimizerInfo& optimizer : optimizers()) {
+        listing.table.add_row({std::string(optimizer.id), optimizer.on_device ? "host, device" : "host",
+                               std::string(optimizer.paper), std::string(optimizer.title)});
+        listing.entries.push_back({{"id", optimizer.id},
+                                   {"title", optimizer.title},
+                                   {"paper", optimizer.paper},
+                                   {"splits_first", optimizer.splits_first},
+                                   {"on_device", optimizer.on_device}});
+    }
+    return listing;
+}
+
+Listing list_presets(const std::string& missing) {
+    Listing listing({"preset", "builder", "optimizers", "passes", "max leaf", "title"});
+    for (const PresetInfo& preset : presets()) {
+        listing.table.add_row({std::string(preset.id), std::string(preset.builder), dash_unless(preset.optimizers),
+                               dash_unless(preset.optimize_passes), dash_unless(preset.max_leaf_size),
+                               std::string(preset.title)});
+        listing.entries.push_back({{"id", preset.id},
+                                   {"title", preset.title},
+                                   {"builder", preset.builder},
+                                   {"optimizers", preset.optimizers},
+                                   {"optimize_passes", preset.optimize_passes},
+                                   {"max_leaf_size", preset.max_leaf_size},
+                                   {"available", runs_on_host(preset.id) || missing.empty()}});
+    }
+    return listing;
+}
+
 int list(const JsonOutput& json) {
     json.require_writable();
     const std::string missing = missing_device();
-    Table table({"builder", "runs on", "available", "radius", "paper", "title"}, Table::Align::left);
-    nlohmann::ordered_json entries = nlohmann::ordered_json::array();
-    for (const BuilderInfo& builder : builders()) {
-        const std::string_view reason = builder.kind == BuilderKind::device ? missing : std::string_view{};
-        table.add_row({std::string(builder.id), std::string(to_string(builder.kind)), reason.empty() ? "yes" : "no",
-                       radius_text(builder), std::string(builder.paper), std::string(builder.title)});
-        entries.push_back({{"id", builder.id},
-                           {"title", builder.title},
-                           {"paper", builder.paper},
-                           {"kind", to_string(builder.kind)},
-                           {"uses_search_radius", builder.uses_search_radius},
-                           {"available", reason.empty()}});
-        if (!reason.empty()) entries.back()["reason"] = reason;
-    }
-    Table optimizer_table({"optimizer", "runs on", "paper", "title"}, Table::Align::left);
-    nlohmann::ordered_json optimizer_entries = nlohmann::ordered_json::array();
-    for (const OptimizerInfo& optimizer : optimizers()) {
-        optimizer_table.add_row({std::string(optimizer.id), optimizer.on_device ? "host, device" : "host",
-                                 std::string(optimizer.paper), std::string(optimizer.title)});
-        optimizer_entries.push_back({{"id", optimizer.id},
-                                     {"title", optimizer.title},
-                                     {"paper", optimizer.paper},
-                                     {"splits_first", optimizer.splits_first},
-                                     {"on_device", optimizer.on_device}});
-    }
-    Table preset_table({"preset", "builder", "optimizers", "passes", "max leaf", "title"}, Table::Align::left);
-    nlohmann::ordered_json preset_entries = nlohmann::ordered_json::array();
-    for (const PresetInfo& preset : presets()) {
-        preset_table.add_row({std::string(preset.id), std::string(preset.builder), dash_unless(preset.optimizers),
-                              dash_unless(preset.optimize_passes), dash_unless(preset.max_leaf_size),
-                              std::string(preset.title)});
-        preset_entries.push_back({{"id", preset.id},
-                                  {"title", preset.title},
-                                  {"builder", preset.builder},
-                                  {"optimizers", preset.optimizers},
-                                  {"optimize_passes", preset.optimize_passes},
-                                  {"max_leaf_size", preset.max_leaf_size},
-                                  {"available", runs_on_host(preset.id) || missing.empty()}});
-    }
+    const Listing of_builders = list_builders(missing);
+    const Listing of_optimizers = list_optimizers();
+    const Listing of_presets = list_presets(missing);
     if (json.leaves_standard_output()) {
-        fmt::print("{}\n{}\n{}", preset_table.text(), table.text(), optimizer_table.text());
+        fmt::print("{}\n{}\n{}", of_presets.table.text(), of_builders.table.text(), of_optimizers.table.text());
         if (!missing.empty()) fmt::print("\nWhat runs on a device is not available: {}\n", missing);
     }
-    json.write({{"builders", entries}, {"optimizers", optimizer_entries}, {"presets", preset_entries}});
+    json.write(
+        {{"builders", of_builders.entries}, {"optimizers", of_optimizers.entries}, {"presets", of_presets.entries}});
     return kExitSuccess;
 }
 

@@ -198,7 +198,8 @@ Command add_table_command(CLI::App& app) {
     arguments->view.add_options(*command);
     arguments->loading.add_options(*command);
     arguments->build.add_options(*command);
-    command->remove_option(command->get_option("--optimize"));  // each of the nine has its own
+    for (const char* option : {"--optimize", "--optimize-passes", "--optimize-on"})
+        command->remove_option(command->get_option(option));  // each of the nine has its own
     arguments->json.add_option(*command);
     return {command, [arguments] { return run_table(*arguments); }};
 }

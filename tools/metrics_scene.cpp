@@ -32,8 +32,8 @@ MetricsResult describe_metrics(const TraceResult& base, const Bvh& bvh, const Me
     return result;
 }
 
-void measure_candidates(std::span<const TraceCandidate> candidates, const RayArguments& rays, const RaySet& set,
-                        const Camera& unturned_camera, std::size_t runs, ProgressBar& bar,
+void measure_candidates(std::span<const TraceCandidate> candidates, RayEngine& reference, const RayArguments& rays,
+                        const RaySet& set, const Camera& unturned_camera, std::size_t runs, ProgressBar& bar,
                         std::span<MetricsResult> results) {
     const TraceResult& first = candidates.front().base;
     const std::string title = fmt::format("{}, {} rays on {}", first.scene, to_string(set.kind), first.traced_on);
@@ -41,7 +41,7 @@ void measure_candidates(std::span<const TraceCandidate> candidates, const RayArg
     BothWays field;
     for (const TraceCandidate& candidate : candidates)
         field.add(candidate.base.builder, *candidate.engine);
-    field.measure(set, runs, progress);
+    field.measure(reference, set, runs, progress);
     for (std::size_t i = 0; i < results.size(); ++i) {
         results[i].trace = result_of(candidates[i].base, rays, set, unturned_camera, field.cost(i));
         results[i].binary_trace_ms = field.binary_cost(i).trace_ms;
@@ -59,8 +59,9 @@ std::vector<MetricsResult> measure_scene(const MetricsSettings& settings, const 
         build_candidates(settings.tracing, tracing, scene, viewed.mesh, bar, visit);
     const RayKind kind = rays.kinds.front();
     bar.show_now(0.0, fmt::format("{}, {} rays", scene, to_string(kind)));
-    const RaySet set = rays.rays(kind, scene, viewed.mesh, closest_hits_of(*candidates.front().engine), viewed.camera);
-    measure_candidates(candidates, rays, set, viewed.unturned_camera, settings.tracing.runs, bar, results);
+    RayEngine& first = *candidates.front().engine;
+    const RaySet set = rays.rays(kind, scene, viewed.mesh, closest_hits_of(first), viewed.camera);
+    measure_candidates(candidates, first, rays, set, viewed.unturned_camera, settings.tracing.runs, bar, results);
     return results;
 }
 

@@ -24,9 +24,9 @@ struct MetricsSettings {
                                              std::uint64_t epo_samples, ProgressBar& bar);
 
 /// Traces the set through all candidates, in the same rounds, and once more through the trees' own nodes, and adds what
-/// that cost to the result of each.
-void measure_candidates(std::span<const TraceCandidate> candidates, const RayArguments& rays, const RaySet& set,
-                        const Camera& unturned_camera, std::size_t runs, ProgressBar& bar,
+/// that cost to the result of each. Answers are compared with those of `reference`.
+void measure_candidates(std::span<const TraceCandidate> candidates, RayEngine& reference, const RayArguments& rays,
+                        const RaySet& set, const Camera& unturned_camera, std::size_t runs, ProgressBar& bar,
                         std::span<MetricsResult> results);
 
 /// Builds a tree with each builder, describes it, and traces the same rays through all of them, in the same rounds, and

@@ -39,10 +39,10 @@ public:
     void trace(const RayArguments& rays, const ViewedScene& viewed, ProgressBar& bar) {
         const RayKind kind = rays.kinds.front();
         bar.show_now(0.0, fmt::format("{}, {} rays", result_.name, to_string(kind)));
-        const RaySet set =
-            rays.rays(kind, result_.name, viewed.mesh, closest_hits_of(*host_.front().engine), viewed.camera);
+        RayEngine& first = *host_.front().engine;
+        const RaySet set = rays.rays(kind, result_.name, viewed.mesh, closest_hits_of(first), viewed.camera);
         const auto measure = [&](std::span<const TraceCandidate> candidates, std::span<MetricsResult> results) {
-            measure_candidates(candidates, rays, set, viewed.unturned_camera, settings_.runs, bar, results);
+            measure_candidates(candidates, first, rays, set, viewed.unturned_camera, settings_.runs, bar, results);
         };
         measure(host_, result_.host);
         if (!settings_.traces_on_device) return;

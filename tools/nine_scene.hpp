@@ -34,7 +34,7 @@ struct NineScene {
 };
 
 /// Builds the trees, describes them, and traces the same rays through all of them, on the host and then on the device.
-/// The rays, of one kind, are made on the first tree.
+/// The rays, of one kind, are made on the first tree, and its hits on the host are what all others are compared with.
 [[nodiscard]] NineScene measure_nine(const NineSettings& settings, const RayArguments& rays, const std::string& scene,
                                      const ViewedScene& viewed, ProgressBar& bar);
 

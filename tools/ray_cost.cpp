@@ -103,23 +103,23 @@ double RayCost::mrays_per_s() const {
     return trace_ms.median > 0.0 ? static_cast<double>(ray_count) / trace_ms.median / 1e3 : 0.0;
 }
 
-std::vector<RayCost> measure_rays(std::span<const RayEntrant> entrants, const RaySet& set, std::size_t runs,
-                                  RoundsProgress& progress) {
+std::vector<RayCost> measure_rays(std::span<const RayEntrant> entrants, RayEngine& reference, const RaySet& set,
+                                  std::size_t runs, RoundsProgress& progress) {
     std::vector<RayCost> costs(entrants.size());
     std::vector<RayCounts> counts(set.rays.size());
-    Answers first(set);
+    Answers expected(set);
+    expected.ask(reference, {});
     Answers answers(set);
     std::vector<std::unique_ptr<TraceContestant>> contestants;
     std::vector<Contestant*> turns;
     for (std::size_t i = 0; i < entrants.size(); ++i) {
         throw_if_interrupted();
-        Answers& own = i == 0 ? first : answers;
-        own.ask(*entrants[i].engine, counts);
+        answers.ask(*entrants[i].engine, counts);
         set_counts(costs[i], counts);
         costs[i].ray_count = set.rays.size();
-        costs[i].hits = own.hits();
-        costs[i].mismatches = own.differences(first);
-        contestants.push_back(std::make_unique<TraceContestant>(entrants[i], answers, first));
+        costs[i].hits = answers.hits();
+        costs[i].mismatches = answers.differences(expected);
+        contestants.push_back(std::make_unique<TraceContestant>(entrants[i], answers, expected));
         turns.push_back(contestants.back().get());
     }
     run_rounds(turns, runs, progress);

@@ -30,7 +30,7 @@ struct RayCost {
     double leaves_per_ray = 0.0;
     double triangles_per_ray = 0.0;
     double leaf_count_variability = 0.0;
-    std::uint64_t mismatches = 0;  ///< Rays whose answer is not that of the first engine.
+    std::uint64_t mismatches = 0;  ///< Rays whose answer is not that of the reference.
 
     [[nodiscard]] double ns_per_ray() const;
     [[nodiscard]] double mrays_per_s() const;
@@ -43,9 +43,9 @@ struct RayEntrant {
     RayEngine* engine = nullptr;
 };
 
-/// Traces the set with every engine: once to count and to compare the answers with those of the first, then in `runs`
+/// Traces the set with every engine: once to count and to compare the answers with those of `reference`, then in `runs`
 /// rounds (run_rounds), without counting, for the time. One result for each entrant.
-[[nodiscard]] std::vector<RayCost> measure_rays(std::span<const RayEntrant> entrants, const RaySet& set,
-                                                std::size_t runs, RoundsProgress& progress);
+[[nodiscard]] std::vector<RayCost> measure_rays(std::span<const RayEntrant> entrants, RayEngine& reference,
+                                                const RaySet& set, std::size_t runs, RoundsProgress& progress);
 
 }  // namespace clbvh::tool

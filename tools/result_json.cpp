@@ -13,6 +13,11 @@ namespace {
 
 using nlohmann::ordered_json;
 
+/// The double that is written with as few digits as the float: 1.2, not 1.2000000476837158.
+double shortest(float value) {
+    return std::stod(fmt::format("{}", value));
+}
+
 ordered_json sample_json(const Sample& sample) {
     return {{"median", sample.median}, {"min", sample.min}, {"max", sample.max}};
 }
@@ -54,6 +59,12 @@ ordered_json identity_json(const BuildResult& result) {
         json["peer"] = result.is_peer;
         json["threads"] = result.threads;
     }
+    if (result.options) {
+        json["optimizers"] = result.options->optimizers;
+        json["optimize_passes"] = result.options->optimize_passes;
+        json["max_leaf_size"] = result.options->max_leaf_size;
+        json["split_quota"] = shortest(result.options->split_quota);
+    }
     return json;
 }
 
@@ -92,11 +103,6 @@ ordered_json result_json(const BuildResult& result) {
     }
     if (result.sweep) json["sweep"] = {{"what", result.sweep->what}, {"value", result.sweep->value}};
     return json;
-}
-
-/// The double that is written with as few digits as the float: 1.2, not 1.2000000476837158.
-double shortest(float value) {
-    return std::stod(fmt::format("{}", value));
 }
 
 ordered_json options_json(const BuildOptions& options) {

@@ -93,8 +93,9 @@ int report_mismatches(std::span<const TraceResult> results) {
     int code = kExitSuccess;
     for (const TraceResult& result : results) {
         if (result.cost.mismatches == 0) continue;
-        fmt::print(stderr, "clbvh: {} of {} {} rays hit something else with the tree of {} over {}\n",
-                   result.cost.mismatches, result.cost.ray_count, to_string(result.rays), result.builder, result.scene);
+        fmt::print(stderr, "clbvh: {} of {} {} rays hit something else with the tree of {} over {}, traced on {}\n",
+                   result.cost.mismatches, result.cost.ray_count, to_string(result.rays), result.builder, result.scene,
+                   result.traced_on);
         code = kExitInvalidTree;
     }
     return code;

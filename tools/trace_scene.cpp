@@ -93,7 +93,8 @@ std::vector<TraceResult> trace_scene(const TraceSettings& settings, const RayArg
         const RaySet set =
             rays.rays(kind, scene, viewed.mesh, closest_hits_of(*entrants.front().engine), viewed.camera);
         RoundsProgress progress(title, bar);
-        const std::vector<RayCost> costs = measure_rays(entrants, set, settings.runs, progress);
+        const std::vector<RayCost> costs =
+            measure_rays(entrants, *entrants.front().engine, set, settings.runs, progress);
         for (std::size_t i = 0; i < candidates.size(); ++i)
             results.push_back(result_of(candidates[i].base, rays, set, viewed.unturned_camera, costs[i]));
         set_speeds(std::span(results).last(candidates.size()));

@@ -50,7 +50,7 @@ public:
     /// What it was made with: the id of a builder or of a preset.
     [[nodiscard]] std::string_view id() const noexcept;
     [[nodiscard]] const BuilderInfo& info() const noexcept;
-    /// As they were given, save for what a preset put in the place of defaults.
+    /// As they were given, save for what a preset put in the place of defaults, and treelet-split for split_quota.
     [[nodiscard]] const BuildOptions& options() const noexcept;
     /// Throws Error(unsupported) for a host builder.
     [[nodiscard]] const Context& context() const;

@@ -60,7 +60,7 @@ typedef struct clbvh_options {
                                         those that split triangles first. Null or "": none. Copied. */
     float split_quota;               /**< Split triangles with the largest boxes first, so many times a triangle in all,
                                         above 0 to 4, say 0.3; 0: do not. Not with presplit_level. */
-    uint32_t unused;                 /**< 0. */
+    uint32_t optimize_passes;        /**< Most passes of each optimizer; 0: as many as it finds worth while. */
 } clbvh_options;
 
 /** A builder, on a device or on the host, with its programs, its memory and the last finished tree. One thread at a
@@ -116,7 +116,8 @@ clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_
 /** Gives the tree of the last clbvh_build the boxes that its triangles ask for at new places, on all threads; its
     structure stays. Arguments as for clbvh_build: as many triangles, of which the same have a NaN. The SAH costs before
     and after go to `sah_before` and `sah_after`, either of which may be null: where the cost has risen much since the
-    build, build anew. The second call and later ones are faster. After a failure the tree is as it was. */
+    build, build anew. The second call and later ones are faster. After CLBVH_INVALID_INPUT the tree is as it was. After
+    CLBVH_OUT_OF_MEMORY some boxes are old and some new: the next call that succeeds puts all of them right. */
 clbvh_error clbvh_refit(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
                         uint64_t triangle_count, double* sah_before, double* sah_after);
 

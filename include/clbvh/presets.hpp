@@ -9,7 +9,8 @@
 namespace clbvh {
 
 /// A builder, optimisers and a leaf size that go well together: a point on the front of build time against the cost of
-/// rays, see docs/presets.md. Its id stands wherever a builder's may: `Builder("high")`, `--builder high`.
+/// rays, see docs/presets.md. Its id stands wherever a builder's may: `Builder("high")`, `--builder high`; for
+/// DeviceBuilder only that of "fast".
 struct PresetInfo {
     std::string_view id;                ///< "fast", "balanced", "high" or "highest".
     std::string_view title;             ///< One line for people.
@@ -25,7 +26,7 @@ struct PresetInfo {
 /// The preset of that id; null where there is none.
 [[nodiscard]] const PresetInfo* find_preset(std::string_view id) noexcept;
 
-/// `options` with the preset's values where they are left to it: empty, or 0.
+/// `options` with the preset's values where they are left to it: empty, or 0. Its passes come with its optimisers only.
 [[nodiscard]] BuildOptions with_preset(const PresetInfo& preset, BuildOptions options = {});
 
 /// The same for the id of a builder or of a preset: what a builder made with both runs with.

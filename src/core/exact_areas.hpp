@@ -2,12 +2,24 @@
 
 #include <array>
 
+#include "clbvh/core/bvh.hpp"
 #include "core/box4.hpp"
 
 namespace clbvh {
 
-/// Half the surface areas of two boxes in double precision: x * y + y * z + z * x over the extents. What stands in the
-/// fourth lanes does not matter.
+/// Half the surface area in double precision, so that no rounding makes a change look good: x * y + y * z + z * x over
+/// the extents.
+[[nodiscard]] constexpr double exact_half_area(const Aabb& box) noexcept {
+    const double x = double{box.upper.x} - double{box.lower.x};
+    const double y = double{box.upper.y} - double{box.lower.y};
+    const double z = double{box.upper.z} - double{box.lower.z};
+    return x * y + y * z + z * x;
+}
+[[nodiscard]] constexpr double exact_half_area(const Node& node) noexcept {
+    return exact_half_area(node.bounds());
+}
+
+/// Those of two boxes at once, to the bit. What stands in the fourth lanes does not matter.
 [[nodiscard]] inline std::array<double, 2> exact_half_areas(const Box4& a, const Box4& b) noexcept {
 #if defined(CLBVH_HAS_SSE2)
     // x and y of both boxes, then z of both.
@@ -23,13 +35,7 @@ namespace clbvh {
     _mm_storeu_pd(areas.data(), _mm_add_pd(_mm_add_pd(_mm_mul_pd(x, y), _mm_mul_pd(y, z)), _mm_mul_pd(z, x)));
     return areas;
 #else
-    const auto area = [](const Box4& box) {
-        const double x = double{box.upper.x()} - double{box.lower.x()};
-        const double y = double{box.upper.y()} - double{box.lower.y()};
-        const double z = double{box.upper.z()} - double{box.lower.z()};
-        return x * y + y * z + z * x;
-    };
-    return {area(a), area(b)};
+    return {exact_half_area(make_node(a, 0, 0)), exact_half_area(make_node(b, 0, 0))};
 #endif
 }
 

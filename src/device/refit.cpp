@@ -103,6 +103,8 @@ void refit_in_lanes(Launcher& launcher, const RefitSettings& settings, const Tre
     launch_on_tree(launcher, kernel("refit_top"), 1, tree, order.order, order.ranges, primitive_ids,
                    scratch.bounds.boxes, inner, primitive, scratch.before.partial, scratch.after.partial,
                    scratch.before.root_area, scratch.after.root_area);
+    launch_flat_cost_sums(launcher, settings.work_group_size, tree, settings.costs, scratch.after.partial,
+                          settings.ranges + 1);
 }
 
 void refit_in_groups(Launcher& launcher, const RefitSettings& settings, const TreeNodes& tree,

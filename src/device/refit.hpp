@@ -33,7 +33,7 @@ struct RefitSettings {
 /// Fills `order`. Four launches at most, none where there are no nodes.
 void launch_refit_order(Launcher& launcher, const RefitSettings& settings, const TreeNodes& tree, const Block& order);
 
-/// Gives the tree the boxes of the mesh, and writes the cost before and after, two floats, to `sah`. Some seven
+/// Gives the tree the boxes of the mesh, and writes the cost before and after, two floats, to `sah`. Some eight
 /// launches.
 void launch_refit(Launcher& launcher, const RefitSettings& settings, const TreeNodes& tree,
                   const cl::Buffer& primitive_ids, const DeviceMesh& mesh, const Block& order, const Block& scratch,

@@ -14,6 +14,12 @@ void launch_cost_sums(Launcher& launcher, std::size_t work_group_size, const Tre
     launcher.count_bytes(sizeof(Node) * std::uint64_t{tree.node_count});
 }
 
+void launch_flat_cost_sums(Launcher& launcher, std::size_t work_group_size, const TreeNodes& tree,
+                           const SahCosts& costs, const cl::Buffer& partial, std::uint32_t count) {
+    launch_on_tree(launcher, launcher.session().kernel(tree_cost_program(work_group_size), "sum_flat_costs"), count,
+                   tree, static_cast<float>(costs.inner), static_cast<float>(costs.primitive), partial);
+}
+
 void launch_cost(Launcher& launcher, std::size_t work_group_size, const CostSums& sums, std::uint32_t count,
                  const Block& sah) {
     launcher.launch(launcher.session().kernel(tree_cost_program(work_group_size), "divide_costs"), 1, sums.partial,

@@ -9,19 +9,12 @@
 
 #include "core/bottom_up.hpp"
 #include "core/check_field.hpp"
+#include "core/exact_areas.hpp"
 #include "core/memory_errors.hpp"
 #include "host/emit_tree.hpp"
 
 namespace clbvh::host {
 namespace {
-
-/// Half the surface area in double precision, so that no rounding makes a merge look good.
-double area(const Node& node) noexcept {
-    const double x = double{node.upper[0]} - double{node.lower[0]};
-    const double y = double{node.upper[1]} - double{node.lower[1]};
-    const double z = double{node.upper[2]} - double{node.lower[2]};
-    return x * y + y * z + z * x;
-}
 
 class Collapser {
 public:
@@ -58,7 +51,7 @@ private:
         const Child right = child(tree_.nodes[std::size_t{node.first} + 1]);
         const std::uint32_t sum = left.extent.primitives + right.extent.primitives;
         const std::uint32_t count = tree_.split_references ? count_distinct(node) : sum;
-        const double node_area = area(node);
+        const double node_area = exact_half_area(node);
         const double inner_cost = double{config_.inner_cost} * node_area + left.cost + right.cost;
         const double leaf_cost = double{config_.primitive_cost} * count * node_area;
         const std::uint32_t merges = (count <= config_.max_leaf_size) & (leaf_cost <= inner_cost);
@@ -73,7 +66,7 @@ private:
         const std::uint32_t pair = node.first / 2 * (node.is_leaf() ? 0 : 1);
         const Extent below = extents_[pair];
         return {{below.pairs, below.primitives + node.count},
-                costs_[pair] + double{config_.primitive_cost} * node.count * area(node)};
+                costs_[pair] + double{config_.primitive_cost} * node.count * exact_half_area(node)};
     }
 
     /// How many primitives are below an inner node, kTooMany where there are more than a leaf takes, or too many ids.

@@ -8,9 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 
+#include "core/exact_areas.hpp"
 #include "host/sbvh_clip.hpp"
 
 namespace clbvh::host {
@@ -30,13 +33,6 @@ Aabb bound_scene(const Mesh& mesh) {
         [](const Aabb& a, const Aabb& b) { return merge(a, b); });
 }
 
-double surface_of(const Aabb& box) {
-    const double x = double{box.upper.x} - double{box.lower.x};
-    const double y = double{box.upper.y} - double{box.lower.y};
-    const double z = double{box.upper.z} - double{box.lower.z};
-    return 2.0 * (x * y + y * z + z * x);
-}
-
 /// Both sides of the triangle's projections along the axes: no boxes around parts of it have less surface.
 double ideal_surface_of(const Mesh& mesh, const Triangle& triangle) {
     const Vec3& a = mesh.vertices[triangle[0]];
@@ -51,7 +47,8 @@ float priority_of(const Mesh& mesh, const MedianGrid& grid, std::size_t triangle
     const Aabb box = triangle_bounds(mesh, triangle);
     const auto plane = grid.most_important(box);
     if (!plane) return 0.0f;
-    const double gain = std::max(surface_of(box) - ideal_surface_of(mesh, mesh.triangles[triangle]), 0.0);
+    const double surface = 2.0 * exact_half_area(box);
+    const double gain = std::max(surface - ideal_surface_of(mesh, mesh.triangles[triangle]), 0.0);
     return static_cast<float>(std::cbrt(std::ldexp(gain, -static_cast<int>(plane->level))));
 }
 

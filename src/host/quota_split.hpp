@@ -15,6 +15,9 @@ namespace clbvh::host {
 /// to lose, and that important planes cut.
 class SplitPlan {
 public:
+    /// Host memory that a plan takes.
+    static constexpr std::size_t kBytesPerTriangle = sizeof(float);
+
     /// At most `quota` times the active triangles are planned in all. The mesh has passed check_mesh; a stage has
     /// begun. The same on any number of threads.
     SplitPlan(const Mesh& mesh, float quota, HostStages& stages);

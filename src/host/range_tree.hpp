@@ -39,6 +39,13 @@ public:
         return extents_[pair] = {left.pairs + right.pairs + 1, left.primitives + right.primitives};
     }
 
+    /// The union of the boxes of a pair's nodes, both of which are finished.
+    [[nodiscard]] Box4 box_of(std::uint32_t pair) const noexcept {
+        Box4 box = Box4::of(nodes_[left_child(pair)]);
+        box.merge(Box4::of(nodes_[left_child(pair) + 1]));
+        return box;
+    }
+
     [[nodiscard]] TreeSlots slots() const noexcept { return {nodes_, extents_, primitive_ids_}; }
 
 private:

@@ -87,7 +87,9 @@ private:
             tbb::parallel_invoke([&] { left_extent = build_task(left, split.arrays); },
                                  [&] { right_extent = build_task(right, split.arrays); });
         }
-        return tree_.set_inner(job.slot, job.bounds.box, split.border, left_extent, right_extent);
+        // Not the job's box: the parts of a reference that was cut before, and grown by the error of that, need not
+        // reach as far as it did.
+        return tree_.set_inner(job.slot, tree_.box_of(split.border), split.border, left_extent, right_extent);
     }
 
     Extent build_task(const Job& job, const Arrays& arrays) {

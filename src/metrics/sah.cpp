@@ -84,7 +84,7 @@ double sah_cost(const Bvh& bvh, const SahCosts& costs) {
     const Node& root = bvh.nodes[0];
     const double own_cost = node_cost(root, costs);
     if (root.is_leaf()) return own_cost;
-    const double root_area = exact_half_areas(Box4::of(root), Box4::of(root))[0];
+    const double root_area = exact_half_area(root);
     const bool is_flat = !(root_area > 0.0);
     return own_cost + PairSums(bvh.nodes, costs, is_flat).of_tree() / (is_flat ? 1.0 : root_area);
 }

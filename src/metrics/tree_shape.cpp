@@ -5,12 +5,12 @@
 #include <string>
 
 #include "clbvh/core/error.hpp"
-#include "metrics/node_area.hpp"
+#include "core/exact_areas.hpp"
 
 namespace clbvh {
 namespace {
 
-/// node_area() of the box that both nodes share; 0 where they are apart.
+/// exact_half_area() of the box that both nodes share; 0 where they are apart.
 double shared_area(const Node& a, const Node& b) {
     Node shared{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -18,7 +18,7 @@ double shared_area(const Node& a, const Node& b) {
         shared.upper[axis] = std::min(a.upper[axis], b.upper[axis]);
         if (!(shared.lower[axis] <= shared.upper[axis])) return 0.0;
     }
-    return node_area(shared);
+    return exact_half_area(shared);
 }
 
 [[noreturn]] void refuse(std::size_t node, const std::string& why) {
@@ -68,7 +68,7 @@ TreeShape tree_shape(const Bvh& bvh) {
         stack.push_back({first + 1, depth + 1});
         stack.push_back({first, depth + 1});
     }
-    const double root_area = bvh.empty() ? 0.0 : node_area(bvh.nodes[0]);
+    const double root_area = bvh.empty() ? 0.0 : exact_half_area(bvh.nodes[0]);
     shape.sibling_overlap = root_area > 0.0 ? overlap / root_area : 0.0;
     return shape;
 }

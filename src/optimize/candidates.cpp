@@ -12,6 +12,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/exact_areas.hpp"
+
 namespace clbvh::optimizer {
 namespace {
 

@@ -6,15 +6,9 @@
 #include <functional>
 
 #include "core/bottom_up.hpp"
+#include "core/exact_areas.hpp"
 
 namespace clbvh::optimizer {
-
-double exact_half_area(const Node& node) noexcept {
-    const double x = double{node.upper[0]} - double{node.lower[0]};
-    const double y = double{node.upper[1]} - double{node.lower[1]};
-    const double z = double{node.upper[2]} - double{node.lower[2]};
-    return x * y + y * z + z * x;
-}
 
 EditTree::EditTree(std::span<Node> nodes) : nodes_(nodes), parents_(nodes.size() / 2, kUnused) {
     Scratch scratch;

@@ -10,9 +10,6 @@
 
 namespace clbvh::optimizer {
 
-/// Half the surface area in double precision, in which the sums that decide are made.
-[[nodiscard]] double exact_half_area(const Node& node) noexcept;
-
 /// The nodes of a finished tree with the way up, for changes in place. A subtree is what its root's slot holds:
 /// subtrees change places by an exchange of two slots. Siblings stay at 2s and 2s + 1, and no slot is ever freed or
 /// taken.

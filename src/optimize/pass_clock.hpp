@@ -19,6 +19,8 @@ public:
     [[nodiscard]] bool may_go_on(double part);
     /// Books a finished pass.
     void end_pass(std::uint64_t changes);
+    /// Books what a pass did that the budget ended.
+    void break_off_pass(std::uint64_t changes) { stats_.changes += changes; }
     [[nodiscard]] OptimizeStats finish();
 
 private:

@@ -13,14 +13,12 @@
 #include "clbvh/host/sweep_sah.hpp"
 #include "core/bottom_up.hpp"
 #include "core/check_field.hpp"
-#include "optimize/edit_tree.hpp"
+#include "core/exact_areas.hpp"
 #include "optimize/pass_clock.hpp"
 #include "optimize/run_optimizer.hpp"
 
 namespace clbvh {
 namespace {
-
-using optimizer::exact_half_area;
 
 constexpr std::uint32_t kPasses = 2;
 constexpr std::size_t kSubtreesBetweenLooks = 64;  // at the clock: some tens of milliseconds
@@ -126,8 +124,10 @@ private:
     bool rebuild_all(std::uint32_t most) {
         const std::vector<std::uint32_t> roots = subtrees(most);
         std::vector<Sums> sums(roots.size());
+        bool is_whole = true;
         for (std::size_t begin = 0; begin < roots.size(); begin += kSubtreesBetweenLooks) {
-            if (!clock_.may_go_on(static_cast<double>(begin) / static_cast<double>(roots.size()))) return false;
+            is_whole = clock_.may_go_on(static_cast<double>(begin) / static_cast<double>(roots.size()));
+            if (!is_whole) break;
             const std::size_t end = std::min(roots.size(), begin + kSubtreesBetweenLooks);
             tbb::parallel_for(begin, end, [&](std::size_t i) { sums[i] = rebuild_at(roots[i]); });
         }
@@ -137,8 +137,8 @@ private:
             gain_ += of_root.gain;
             changes += of_root.changes;
         }
-        clock_.end_pass(changes);
-        return true;
+        is_whole ? clock_.end_pass(changes) : clock_.break_off_pass(changes);
+        return is_whole;
     }
 
     Sums rebuild_at(std::uint32_t root) {

@@ -30,15 +30,17 @@ struct Fitted {
     std::uint32_t pair;  ///< Of its children.
 };
 
-/// Sums of area times cost, and whether the tree was the one of the plan.
+/// Sums of area times cost and of cost alone, and whether the tree was the one of the plan.
 struct Sums {
     double before = 0.0;
     double after = 0.0;
+    double costs = 0.0;
     bool fits_plan = true;
 
     void add(const Sums& other) noexcept {
         before += other.before;
         after += other.after;
+        costs += other.costs;
         fits_plan = fits_plan && other.fits_plan;
     }
 };
@@ -127,6 +129,7 @@ private:
         const double cost = node.is_leaf() ? costs_.primitive * node.count : costs_.inner;
         sums.before += cost * area_before;
         sums.after += cost * area_after;
+        sums.costs += cost;
         node = make_node(box, node.first, node.count);
     }
 
@@ -135,8 +138,9 @@ private:
     SahCosts costs_;
 };
 
-double relative(double sum, double root_area) {
-    return root_area > 0.0 ? sum / root_area : 0.0;
+/// As sah_cost() sees it: where the root has no area, every node is hit.
+double relative(double sum, double root_area, double costs) {
+    return root_area > 0.0 ? sum / root_area : costs;
 }
 
 }  // namespace
@@ -203,7 +207,7 @@ RefitStats Refitter::State::run(Bvh& tree, const Mesh& mesh, const SahCosts& cos
                     "the tree's nodes are not those that the refitter was made for: make one for this tree, after "
                     "clbvh::refit() has mended its boxes");
     }
-    return {relative(sums.before, area_before), relative(sums.after, area_after)};
+    return {relative(sums.before, area_before, sums.costs), relative(sums.after, area_after, sums.costs)};
 }
 
 Refitter::Refitter(const Bvh& tree)

@@ -9,6 +9,7 @@
 
 #include "clbvh/optimize/reinsert.hpp"
 #include "core/check_field.hpp"
+#include "core/exact_areas.hpp"
 #include "core/random.hpp"
 #include "optimize/pass_clock.hpp"
 #include "optimize/reinsertion.hpp"
@@ -18,7 +19,6 @@ namespace clbvh {
 namespace {
 
 using optimizer::EditTree;
-using optimizer::exact_half_area;
 
 constexpr std::uint32_t kMostPasses = 1000;
 constexpr std::uint32_t kPassesPerLook = 10;  // at what they saved

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/exact_areas.hpp"
 #include "core/half_areas.hpp"
 #include "core/prefetch.hpp"
 

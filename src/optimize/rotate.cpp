@@ -18,6 +18,7 @@
 
 #include "core/bottom_up.hpp"
 #include "core/check_field.hpp"
+#include "core/exact_areas.hpp"
 #include "core/random.hpp"
 #include "optimize/pass_clock.hpp"
 #include "optimize/rotation.hpp"
@@ -27,7 +28,6 @@ namespace clbvh {
 namespace {
 
 using optimizer::EditTree;
-using optimizer::exact_half_area;
 using optimizer::GreedyChoice;
 using optimizer::PassClock;
 using optimizer::TreeRotation;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/exact_areas.hpp"
 #include "optimize/edit_tree.hpp"
 
 namespace clbvh::optimizer {

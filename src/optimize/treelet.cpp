@@ -13,7 +13,7 @@
 
 #include "core/bottom_up.hpp"
 #include "core/check_field.hpp"
-#include "optimize/edit_tree.hpp"
+#include "core/exact_areas.hpp"
 #include "optimize/pass_clock.hpp"
 #include "optimize/run_optimizer.hpp"
 #include "optimize/treelet_search.hpp"
@@ -21,7 +21,6 @@
 namespace clbvh {
 namespace {
 
-using optimizer::exact_half_area;
 using optimizer::TreeletSearch;
 
 constexpr std::uint32_t kPasses = 3;

@@ -14,6 +14,7 @@
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
 #include "clbvh/optimize/refit.hpp"
+#include "core/exact_areas.hpp"
 #include "device/reinsert_steps.hpp"
 #include "device/stage_bench.hpp"
 #include "optimize/reinsertion.hpp"
@@ -137,7 +138,7 @@ TEST_CASE("reinsert on devices: candidates are those of the largest differences,
         for (const Shape shape : kBothShapes) {
             INFO(to_string(shape) << ", " << tree.nodes.size() << " nodes");
             Steps steps(tree, shape);
-            CHECK(static_cast<double>(steps.area()) * optimizer::exact_half_area(tree.nodes[0]) / 2147483648.0 ==
+            CHECK(static_cast<double>(steps.area()) * exact_half_area(tree.nodes[0]) / 2147483648.0 ==
                   Approx(inner_area(tree)).epsilon(1e-5));
             steps.passes.choose();
             CHECK((slots_of(steps.found()) == expected_candidates(ranks)));

@@ -71,3 +71,19 @@ TEST_CASE("rebuild: settings out of their range are named") {
     config.whole_gain = 1.5f;
     expect_error(ErrorCode::invalid_input, {"whole_gain"}, [&] { static_cast<void>(rebuild(tree, config)); });
 }
+
+TEST_CASE("rebuild: a pass that is cancelled keeps what it has done, and counts it") {
+    const Mesh mesh = generate_scene("sphere", 20000);
+    const Bvh tree = make_builder("plocpp").build(mesh);
+    RebuildConfig config;
+    config.subtree_leaves = 32;  // hundreds of subtrees
+    int left = 4;
+    config.budget.progress = [&](const Progress&) { return left-- > 0; };
+    OptimizeStats stats;
+    const Bvh better = rebuild(tree, config, &stats);
+    CHECK(stats.is_cancelled);
+    CHECK(stats.passes == 0);
+    CHECK(stats.changes > 0);
+    CHECK(validate(better, mesh).error == "");
+    CHECK(sah_cost(better) < sah_cost(tree));
+}

@@ -7,13 +7,14 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "clbvh/core/validate.hpp"
 #include "clbvh/io/scene.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
+#include "support/fitted_by_definition.hpp"
+#include "support/hard_trees.hpp"
 #include "support/meshes.hpp"
 
 using namespace clbvh;
@@ -25,46 +26,6 @@ Mesh twisted(Mesh mesh) {
     for (Vec3& vertex : mesh.vertices)
         vertex = {vertex.x + 0.3f * std::sin(5.0f * vertex.y), vertex.y, -vertex.z};
     return mesh;
-}
-
-/// Every node with the box of all triangles below it: slow, and sure.
-Bvh fitted_by_definition(Bvh tree, const Mesh& mesh) {
-    const std::function<Aabb(std::uint32_t)> fit = [&](std::uint32_t index) {
-        Node& node = tree.nodes[index];
-        Aabb box;
-        if (node.is_leaf()) {
-            for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-                box = merge(box, triangle_bounds(mesh, tree.primitive_ids[i]));
-        } else {
-            box = merge(fit(node.first), fit(node.first + 1));
-        }
-        node = {{box.lower.x + 0.0f, box.lower.y + 0.0f, box.lower.z + 0.0f},
-                node.first,
-                {box.upper.x + 0.0f, box.upper.y + 0.0f, box.upper.z + 0.0f},
-                node.count};
-        return box;
-    };
-    if (!tree.empty()) fit(0);
-    return tree;
-}
-
-/// Left children are leaves, so that the tree is as deep as it has triangles.
-Bvh chain_of(const Mesh& mesh) {
-    const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
-    Bvh tree;
-    tree.primitive_count = count;
-    tree.nodes.resize(2 * std::size_t{count});
-    for (std::uint32_t i = 0; i < count; ++i) {
-        tree.primitive_ids.push_back(i);
-        Node& inner = tree.nodes[i == 0 ? 0 : 2 * i + 1];
-        if (i + 1 == count) {
-            inner = {{}, i, {}, 1};
-        } else {
-            inner = {{}, 2 * (i + 1), {}, 0};
-            tree.nodes[2 * (i + 1)] = {{}, i, {}, 1};
-        }
-    }
-    return tree;
 }
 
 }  // namespace
@@ -113,6 +74,24 @@ TEST_CASE("refit: no triangle, one, and inactive ones") {
         const RefitStats stats = refit(tree, moved);
         CHECK(validate(tree, moved).error == "");
         CHECK(stats.sah_after == Approx(sah_cost(tree)));
+    }
+}
+
+TEST_CASE("refit: where the root has no area all nodes count as hit, before and after") {
+    const Mesh line = line_of_points(3000);
+    for (const std::uint32_t leaf_size : {0u, 8u}) {
+        BuildOptions options;
+        options.max_leaf_size = leaf_size;
+        Bvh tree = make_builder("plocpp", options).build(line);
+        Refitter refitter(tree);
+        double cost = sah_cost(tree);
+        for (const Mesh& frame : flat_and_other_frames(line)) {
+            const RefitStats stats = refitter.refit(tree, frame);
+            CHECK(stats.sah_before == Approx(cost).epsilon(1e-9));
+            cost = sah_cost(tree);
+            CHECK(cost > 0.0);
+            CHECK(stats.sah_after == Approx(cost).epsilon(1e-9));
+        }
     }
 }
 
@@ -169,30 +148,24 @@ TEST_CASE("refitter: again and again what refit gives, on any number of threads"
 
 TEST_CASE("refitter: hard trees") {
     const Mesh mesh = random_triangles(30000);
-    Bvh chain = chain_of(mesh);
+    const Mesh mesh_moved = twisted(mesh);
+    Bvh chain = chain_tree(mesh);
     Refitter refitter(chain);
     Refitter moved_here = std::move(refitter);
     refitter = std::move(moved_here);
-    static_cast<void>(refitter.refit(chain, mesh));
-    CHECK(validate(chain, mesh).error == "");
+    static_cast<void>(refitter.refit(chain, mesh_moved));
+    CHECK(validate(chain, mesh_moved).error == "");
 
-    // Every pair moves to twice its place; what lies between looks like nodes, and stays.
+    // What lies between the slots in use stays.
     const Mesh small = random_triangles(3000);
     const Bvh tight = make_builder("plocpp").build(small);
-    const Node decoy{{-9, -9, -9}, 2, {9, 9, 9}, 0};
-    Bvh sparse = tight;
-    sparse.nodes.assign(2 * tight.nodes.size(), decoy);
-    for (std::size_t i = 0; i < tight.nodes.size(); ++i) {
-        Node node = tight.nodes[i];
-        if (!node.is_leaf()) node.first *= 2;
-        sparse.nodes[i < 2 ? i : i / 2 * 4 + i % 2] = node;
-    }
-    sparse.nodes[1] = {};
+    Bvh sparse = with_strays(tight);
+    const Node stray = sparse.nodes[6];
     const Mesh turned = twisted(small);
     Refitter of_sparse(sparse);
     CHECK(of_sparse.refit(sparse, turned).sah_after == Approx(sah_cost(fitted_by_definition(tight, turned))));
     CHECK(validate(sparse, turned).error == "");
-    CHECK(sparse.nodes[6] == decoy);
+    CHECK(sparse.nodes[6] == stray);
 
     for (const std::uint32_t count : {0u, 1u, 2u, 3u}) {
         const Mesh few = random_triangles(count);

@@ -1,6 +1,7 @@
 #include "support/hard_trees.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace clbvh::test {
 
@@ -53,6 +54,16 @@ Mesh line_of_points(std::uint32_t count) {
         mesh.triangles.push_back({i, i, i});
     }
     return mesh;
+}
+
+std::array<Mesh, 5> flat_and_other_frames(const Mesh& line) {
+    Mesh curve = line;
+    for (Vec3& vertex : curve.vertices)
+        vertex = {vertex.x, 100.0f * std::sin(0.1f * vertex.x), 100.0f * std::cos(0.1f * vertex.x)};
+    Mesh point = line;
+    for (Vec3& vertex : point.vertices)
+        vertex = {3.0f, -1.0f, 2.0f};
+    return {curve, line, point, curve, line};
 }
 
 Bvh with_strays(const Bvh& tree) {

@@ -24,4 +24,8 @@ using LeafContent = std::pair<std::vector<std::uint32_t>, std::array<float, 6>>;
 /// Triangles whose corners lie on a line, so that no box has an area.
 [[nodiscard]] Mesh line_of_points(std::uint32_t count);
 
+/// Such a line's points moved on: to a curve, whose boxes have areas, to the line, to one point, to the curve, and to
+/// the line.
+[[nodiscard]] std::array<Mesh, 5> flat_and_other_frames(const Mesh& line);
+
 }  // namespace clbvh::test

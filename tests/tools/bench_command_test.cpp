@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <clbvh/presets.hpp>
 #include <clbvh/registry.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -174,6 +175,27 @@ TEST_CASE("presets stand beside builders, under their own names") {
     CHECK(results[1]["sah"] < results[0]["sah"]);
     CHECK(results[1]["kind"] == "host");
     CHECK(results[2]["kind"] == "device");
+}
+
+TEST_CASE("bench tells of each result what it ran with, whoever set it") {
+    const ordered_json document =
+        bench({"gen:city:2000", "--builders", "binned-sah,presets", "--optimize-passes", "2"});
+    CHECK(document["options"]["optimizers"] == "");
+    CHECK(document["results"][0]["optimizers"] == "");
+    CHECK(document["results"][0]["max_leaf_size"] == 0);
+    REQUIRE(document["results"].size() == presets().size() + 1);
+    for (std::size_t i = 0; i < presets().size(); ++i) {
+        const ordered_json& result = document["results"][i + 1];
+        CHECK(result["builder"] == presets()[i].id);
+        CHECK(result["optimizers"] == presets()[i].optimizers);
+        CHECK(result["optimize_passes"] == 2);
+        CHECK(result["max_leaf_size"] == presets()[i].max_leaf_size);
+        CHECK(result["split_quota"] == 0.0);
+    }
+    const ordered_json splitting =
+        bench({"gen:city:500", "--builders", "binned-sah", "--optimize", "treelet-split"})["results"][0];
+    CHECK(splitting["optimizers"] == "treelet-split");
+    CHECK(splitting["split_quota"] == 0.3);
 }
 
 TEST_CASE("without a device, bench runs the host builders and says why no others") {

@@ -44,6 +44,34 @@ void run(Words words, const std::string& json) {
     REQUIRE(outcome.exit_code == 0);
 }
 
+/// The same results, of trees without area, whose boxes no triangles enter but their own.
+std::string without_costs(const ScratchFolder& folder, const std::string& json) {
+    auto document = nlohmann::json::parse(std::ifstream(json));
+    for (auto& result : document["results"])
+        result["sah"] = result["epo"] = 0.0;
+    const std::string path = folder.path("zero.json");
+    std::ofstream(path) << document;
+    return path;
+}
+
+/// Joining takes no table that was measured elsewhere, or that is not whole, and says which it is.
+void refuse_strangers(const ScratchFolder& folder, const Words& files) {
+    const std::string stranger = folder.path("stranger.json");
+    const auto refused = [&](const char* pointer, const nlohmann::json& value, const std::string& part) {
+        auto document = nlohmann::json::parse(std::ifstream(files[1]));
+        document[nlohmann::json::json_pointer(pointer)] = value;
+        std::ofstream(stranger) << document;
+        const Page page = make_page("join_tables.py", {files[0], stranger});
+        CHECK_FALSE(page.success);
+        CHECK_THAT(page.text, Contains(stranger) && Contains(part));
+    };
+    refused("/machine/cpu", "Abacus 9", " was measured on Abacus 9 and ");
+    refused("/device/name", "Loom 3", " and Loom 3, " + files[0] + " on ");
+    refused("/device", nullptr, " and no device, ");
+    refused("/incomplete", "interrupted", " is incomplete (interrupted)");
+    refused("/anneal_passes", 21, " was measured with other options than " + files[0]);
+}
+
 }  // namespace
 
 TEST_CASE("the page of the nine builders has their table beside the paper's") {
@@ -63,6 +91,9 @@ TEST_CASE("the page of the nine builders has their table beside the paper's") {
     CHECK(both.success);
     CHECK_THAT(both.text, Contains("## Turned by 45 degrees") && Contains("| cost/ray | +"));
     CHECK_THAT(make_page("aila_table.py", {turned, folder.path("none.json")}).text, Contains("none.json"));
+    const Page from_zero = make_page("aila_table.py", {without_costs(folder, json), turned});
+    CHECK(from_zero.success);
+    CHECK_THAT(from_zero.text, Contains("| EPO | - | - |") && Contains("| cost/ray | +"));
 }
 
 TEST_CASE("tables of scenes that were measured one at a time are joined") {
@@ -90,6 +121,7 @@ TEST_CASE("tables of scenes that were measured one at a time are joined") {
     std::ofstream(all) << joined.text;
     CHECK(make_page("aila_table.py", {all}).success);
     CHECK_THAT(make_page("join_tables.py", {all, files[1]}).text, Contains("gen:soup:500 is in more than one"));
+    refuse_strangers(folder, files);
 }
 
 TEST_CASE("the page of optimisers has their costs beside the papers'") {
@@ -106,6 +138,11 @@ TEST_CASE("the page of optimisers has their costs beside the papers'") {
     CHECK(page.success);
     for (const char* part : {"Soda Hall", "(81.8 %)", "gen:city:500", "hill climbing", "Bittner"})
         CHECK_THAT(page.text, Contains(part));
+    Words of_zero = files;
+    of_zero.front() = without_costs(folder, files.front());
+    const Page zero = make_page("optimizer_relations.py", of_zero);
+    CHECK(zero.success);
+    CHECK_THAT(zero.text, Contains("| gen:city:500 | - | - | - | - |"));
     files.pop_back();
     CHECK_THAT(make_page("optimizer_relations.py", files).text, Contains("no file of clbvh bench --optimize anneal"));
 }

@@ -83,6 +83,11 @@ TEST_CASE("bench says beneath its table that peers know no presplitting") {
     CHECK_THAT(run_tool(words, kNoDriver).out, !Contains(note));
     words.emplace_back("--presplit");
     CHECK_THAT(run_tool(words, kNoDriver).out, Contains(note));
+    words.back() = "--optimize=rotate";
+    CHECK_THAT(run_tool(words, kNoDriver).out, Contains(note));
+    words[3] = "high";
+    words.pop_back();
+    CHECK_THAT(run_tool(words, kNoDriver).out, Contains(note));
 }
 
 TEST_CASE("bench shows no tree of a peer whose tree cannot be read") {

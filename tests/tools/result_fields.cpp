@@ -57,14 +57,15 @@ void check_host_stages(const ordered_json& result) {
 }
 
 /// Names of the fields of every result, in their order.
-Names common_names(bool on_device) {
+Names common_names(bool on_device, bool is_peer) {
     Names names{"scene", "triangles", "builder", "kind"};
     const Names identity = on_device ? Names{"shape", "radius"} : Names{"peer", "threads"};
+    const Names options = is_peer ? Names{} : Names{"optimizers", "optimize_passes", "max_leaf_size", "split_quota"};
     const Names cost{"build_ms", "mtris_per_s", "stages"};
     const Names launches = on_device ? Names{"launch_overhead_ms", "launches", "iterations"} : Names{};
     const Names tree{
         "sah", "depth", "nodes", "leaves", "references", "peak_bytes_per_primitive", "inactive_primitives"};
-    for (const Names& part : {identity, cost, launches, tree})
+    for (const Names& part : {identity, options, cost, launches, tree})
         names.insert(names.end(), part.begin(), part.end());
     return names;
 }
@@ -95,7 +96,7 @@ Names field_names(const ordered_json& object) {
 void check_result(const ordered_json& result, const Names& extra) {
     INFO(result.dump(2));
     const bool on_device = ran_on_device(result);
-    Names names = common_names(on_device);
+    Names names = common_names(on_device, result.value("peer", false));
     names.insert(names.end(), extra.begin(), extra.end());
     REQUIRE(field_names(result) == names);
     for (const char* name : {"scene", "builder"})

@@ -204,6 +204,8 @@ TEST_CASE("table refuses what cannot be before it works") {
     for (const char* passes : {"0", "-1", "some", "1000001"})
         refused({"gen:soup:100", "--anneal-passes", passes}, 2, "--anneal-passes");
     refused({"gen:soup:100", "--optimize", "rotate"}, 2, "--optimize");
+    refused({"gen:soup:100", "--optimize-passes", "3"}, 2, "--optimize-passes");
+    refused({"gen:soup:100", "--optimize-on", "device"}, 2, "--optimize-on");
     refused({"gen:soup:100", "--rays", "primary,diffuse"}, 1, "one kind of rays");
     refused({"gen:soup:100", "--builders", "bbvh,dream"}, 1, "'dream'");
     refused({"gen:soup:100", "--builders", ""}, 1, "unknown builder ''");

@@ -82,8 +82,8 @@ struct BuildOptions {
                                ///< (see docs/presplit.md). 0: do not. Not with presplit_level.
     std::string optimizers;    ///< After any builder, before leaves are merged: ids of optimizers() with commas
                                ///< between them, "reinsert" say. Empty: none.
-    std::uint32_t optimize_passes = 0;  ///< Most passes of each of them, up to 1000 where they run on a device; 0: as
-                                        ///< many as it finds worth while.
+    std::uint32_t optimize_passes = 0;  ///< Most passes of each of them; on a device never more than 1000. 0: as many
+                                        ///< as it finds worth while.
     OptimizeOn optimize_on = OptimizeOn::host;  ///< Where they run; see OptimizeOn.
     std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
 

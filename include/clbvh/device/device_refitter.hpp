@@ -33,7 +33,7 @@ struct DeviceRefit {
     DeviceSpan order;                   ///< What DeviceRefitter::enqueue_order wrote; alignment() in.
     DeviceSpan scratch;                 ///< DeviceRefitSizes::scratch bytes; alignment() in.
     /// Two floats, a multiple of 4 bytes in: the tree's SAH cost with the boxes that were there, and with the new ones,
-    /// as RefitStats; 0 where the root has no area. Compensated sums, always in the same order.
+    /// as RefitStats; a node with an empty box costs nothing. Compensated sums, always in the same order.
     DeviceSpan sah;
 };
 

@@ -21,9 +21,11 @@ struct RefitStats {
 /// arena of oneTBB. For one call: Refitter is faster from the second one on.
 ///
 /// `mesh` has the triangles that the tree was built over, at new places. Where references were split, leaves get the
-/// boxes of whole triangles. Throws Error(invalid_input), the tree being as it was, where the mesh has another number
-/// of triangles, where check_mesh refuses it, where a cost is negative or not finite, or where another triangle than
-/// before is inactive, naming it.
+/// boxes of whole triangles. Throws Error(invalid_input) where the mesh has another number of triangles, where
+/// check_mesh refuses it, where a cost is negative or not finite, or where another triangle than before is inactive,
+/// naming it; and Error(out_of_memory). After invalid_input the tree is as it was (save for a Refitter given another
+/// tree, see there). Where memory runs out, some boxes are old and some new: the next refit that succeeds puts all of
+/// them right.
 RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs = {});
 
 /// Refits trees of one structure again and again, every frame say: the order in which their nodes are visited is found
@@ -39,7 +41,8 @@ public:
     Refitter& operator=(Refitter&&) noexcept;
     ~Refitter();
 
-    /// As clbvh::refit(), with the same boxes to the bit, and the same statistics on any number of threads.
+    /// As clbvh::refit(), with the same boxes to the bit, the same errors, and the same statistics on any number of
+    /// threads.
     ///
     /// `tree` is the one that the refitter was made for, or a copy, whatever its boxes and its leaves' primitives are.
     /// Throws Error(invalid_input) for one with another number of nodes, the tree being as it was. A tree of as many
