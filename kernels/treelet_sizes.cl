@@ -41,8 +41,8 @@ KERNEL void count_leaves(global const float* nodes, TREE_SIZE_ARGUMENTS, global 
     const size_t pairs = TREE_SIZE / 2;
     const size_t begin = get_group_id(0) * (size_t)(SLOTS_PER_GROUP / 2);
     FOR_WORK_ITEMS(pair, begin, min(begin + SLOTS_PER_GROUP / 2, pairs)) {
-        const int left_is_leaf = COUNT_OF(nodes, 2 * pair) > 0;
-        const int right_is_leaf = COUNT_OF(nodes, 2 * pair + 1) > 0;
+        const int left_is_leaf = COUNT_AT(nodes, 2 * pair) > 0;
+        const int right_is_leaf = COUNT_AT(nodes, 2 * pair + 1) > 0;
         if (pair == 0) continue;
         if (left_is_leaf && right_is_leaf) {
             sizes[pair] = 2;

@@ -35,7 +35,8 @@ public:
         mesh_ = {};  // the memory of the mesh before is free again
         const auto primitives = static_cast<std::uint32_t>(mesh.triangles.size());
         if (primitives > 0) {
-            device::check_allocations(session, device::plan_pipeline(algorithm_, settings_, primitives));
+            device::check_allocations(session, device::plan_pipeline(algorithm_, settings_, primitives),
+                                      end_.optimizers.scratch_bytes(2 * static_cast<std::uint32_t>(active_count)));
         }
         device::DeviceMesh uploaded;
         uploaded.primitive_count = primitives;

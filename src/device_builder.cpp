@@ -7,6 +7,7 @@
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/presets.hpp"
 #include "device/caller_input.hpp"
+#include "device/caller_tree.hpp"
 #include "device/pipeline.hpp"
 #include "optimizer_rows.hpp"
 #include "registry_rows.hpp"
@@ -96,12 +97,8 @@ device::CallerBuild DeviceBuilder::State::check(const DeviceInput& input, const 
     const device::Session& session = context.session();
     const std::uint32_t count = device::count_of(input);
     device::CallerBuild build;
-    CallerMemory active_count;
-    if (result.active_count.buffer != nullptr) {
-        device::check_multiple("the active count's offset", result.active_count.offset, 0, sizeof(cl_uint));
-        active_count = device::look_at(session, "the active count", result.active_count, sizeof(cl_uint));
-        build.active_count = {active_count.buffer, active_count.offset};
-    }
+    const CallerMemory active_count = device::look_at_active_count(session, result.active_count);
+    build.active_count = {active_count.buffer, active_count.offset};
     if (count == 0) return build;
     const DeviceBuildSizes needed = sizes(count);
     const device::CallerInput checked = device::check_input(session, input);

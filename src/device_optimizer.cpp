@@ -7,6 +7,7 @@
 #include "clbvh/core/error.hpp"
 #include "core/memory_errors.hpp"
 #include "device/caller_input.hpp"
+#include "device/caller_tree.hpp"
 #include "device/device_memory.hpp"
 #include "device/nodes_in_use.hpp"
 #include "device/optimize.hpp"
@@ -63,21 +64,16 @@ void DeviceOptimizer::State::launch(device::Launcher& launcher, const DeviceNode
                                     const DeviceSpan& scratch) const {
     const device::Session& session = context.session();
     const std::uint64_t scratch_needed = scratch_bytes(tree.node_count);
-    if (scratch_needed == 0) return;
-    CallerMemory count;
-    if (tree.active_count.buffer != nullptr) {
-        device::check_multiple("the active count's offset", tree.active_count.offset, 0, sizeof(cl_uint));
-        count = device::look_at(session, "the active count", tree.active_count, sizeof(cl_uint));
+    if (tree.node_count == 0) return;
+    const device::CallerTree checked = device::check_tree(session, tree, alignment);
+    CallerMemory rest;
+    if (scratch_needed > 0) {
+        rest = device::look_at(session, "the scratch", scratch, scratch_needed);
+        device::check_views_allowed(rest, alignment);
     }
-    const CallerMemory nodes =
-        device::look_at(session, "the nodes", tree.nodes, sizeof(Node) * std::uint64_t{tree.node_count});
-    const CallerMemory rest = device::look_at(session, "the scratch", scratch, scratch_needed);
-    for (const CallerMemory& memory : {nodes, rest})
-        device::check_views_allowed(memory, alignment);
-    device::check_apart({nodes, rest, count});
-    device::check_not_cut(count, {nodes, rest});
-    const cl::Buffer view = device::view_of(nodes.place, 0, nodes.bytes);
-    optimizers.launch(launcher, {view, tree.node_count, {count.buffer, count.offset}}, rest.place, 0.0);
+    device::check_apart({checked.nodes, rest, checked.active_count});
+    device::check_not_cut(checked.active_count, {checked.nodes, rest});
+    optimizers.launch(launcher, checked.tree, rest.place, 0.0);
 }
 
 void DeviceOptimizer::State::run(std::vector<Node>& nodes) const {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "device/caller_input.hpp"
+#include "device/caller_tree.hpp"
 #include "device/refit.hpp"
 #include "metrics/check_costs.hpp"
 
@@ -19,27 +20,6 @@ RefitSettings prepare_refitting(Session& session, const DeviceRefitterOptions& o
     const RefitSettings settings = device::resolve_refit_settings(session, options.shape, options.costs);
     session.prepare({device::refit_programs(settings)});
     return settings;
-}
-
-/// A tree of the caller's, looked at.
-struct CheckedTree {
-    device::TreeNodes tree;
-    CallerMemory nodes, active_count;
-};
-
-CheckedTree check_tree(const Session& session, const DeviceNodes& given, std::uint64_t alignment) {
-    CheckedTree checked;
-    checked.nodes = device::look_at(session, "the nodes", given.nodes, sizeof(Node) * std::uint64_t{given.node_count});
-    device::check_views_allowed(checked.nodes, alignment);
-    if (given.active_count.buffer != nullptr) {
-        device::check_multiple("the active count's offset", given.active_count.offset, 0, sizeof(cl_uint));
-        checked.active_count = device::look_at(session, "the active count", given.active_count, sizeof(cl_uint));
-        device::check_readable(checked.active_count);
-        checked.tree.active_count = {checked.active_count.buffer, checked.active_count.offset};
-    }
-    checked.tree.nodes = device::view_of(checked.nodes.place, 0, checked.nodes.bytes);
-    checked.tree.node_count = given.node_count;
-    return checked;
 }
 
 /// Memory of the caller's that kernels use through views, looked at.
@@ -99,7 +79,7 @@ void DeviceRefitter::State::refit(Session& session, device::Launcher& launcher, 
         launcher.clear_uints(sah.buffer, sah.offset, 2);
         return;
     }
-    const CheckedTree tree = check_tree(session, given, alignment);
+    const device::CallerTree tree = device::check_tree(session, given, alignment);
     const CallerMemory ids = check_views(session, "the primitive ids", refit.primitive_ids,
                                          sizeof(cl_uint) * std::uint64_t{refit.reference_count}, alignment);
     const CallerMemory order = check_views(session, "the order", refit.order,
@@ -137,7 +117,7 @@ void DeviceRefitter::enqueue_order(cl_command_queue queue, const DeviceNodes& tr
     const State& state = *state_;
     state.enqueue("enqueuing an order", queue, wait_list, event, [&](Session& session, device::Launcher& launcher) {
         if (tree.node_count == 0) return;
-        const CheckedTree checked = check_tree(session, tree, state.alignment);
+        const device::CallerTree checked = device::check_tree(session, tree, state.alignment);
         const CallerMemory out = check_views(
             session, "the order", order, device::refit_order_bytes(state.settings, tree.node_count), state.alignment);
         device::check_apart({checked.nodes, out, checked.active_count});
@@ -163,7 +143,7 @@ void DeviceRefitter::enqueue_quality(cl_command_queue queue, const DeviceNodes& 
             launcher.clear_uints(cost.buffer, cost.offset, 1);
             return;
         }
-        const CheckedTree checked = check_tree(session, tree, state.alignment);
+        const device::CallerTree checked = device::check_tree(session, tree, state.alignment);
         const CallerMemory rest = check_views(session, "the scratch", scratch,
                                               device::quality_scratch_bytes(tree.node_count), state.alignment);
         device::check_apart({checked.nodes, rest, cost, checked.active_count});

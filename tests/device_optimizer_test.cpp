@@ -17,6 +17,7 @@
 #include "support/hard_trees.hpp"
 #include "support/meshes.hpp"
 #include "support/opencl_calls.hpp"
+#include "support/tree_on_device.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -84,27 +85,6 @@ bool expect_improved(BothShapes& optimizers, const Bvh& tree, const Mesh& mesh, 
     CHECK(same_again);
     return is_valid && is_cheap && same_leaves && same_shapes && same_again;
 }
-
-/// The nodes of a tree in device memory, and scratch for an optimiser.
-struct TreeOnDevice {
-    TreeOnDevice(const Bvh& tree, const DeviceOptimizer& optimizer)
-        : count(static_cast<std::uint32_t>(tree.nodes.size())),
-          nodes(context(), CL_MEM_READ_WRITE, tree.nodes.size() * sizeof(Node)),
-          scratch(context(), CL_MEM_READ_WRITE, optimizer.scratch_bytes(count)) {
-        queue().enqueueWriteBuffer(nodes, CL_TRUE, 0, tree.nodes.size() * sizeof(Node), tree.nodes.data());
-    }
-    static const cl::Context& context() { return shared_context().session().context(); }
-    static const cl::CommandQueue& queue() { return shared_context().session().queue(); }
-    [[nodiscard]] DeviceNodes target() const { return {{nodes()}, count, {}}; }
-    [[nodiscard]] std::vector<Node> read() const {
-        std::vector<Node> result(count);
-        queue().enqueueReadBuffer(nodes, CL_TRUE, 0, count * sizeof(Node), result.data());
-        return result;
-    }
-
-    std::uint32_t count;
-    cl::Buffer nodes, scratch;
-};
 
 }  // namespace
 
@@ -252,60 +232,4 @@ TEST_CASE("device optimizers: several run one after the other, and host-only and
     CHECK(once.shape() != Shape::automatic);
     CHECK(once.alignment() > 0);
     CHECK(once.context().opencl_queue() == shared_context().opencl_queue());
-}
-
-TEST_CASE("device optimizers: what is wrong with the arguments is named, and nothing is enqueued") {
-    const Bvh tree = make_builder("lbvh").build(random_triangles(100));
-    DeviceOptimizer optimizer = make_optimizer("treelet", Shape::automatic);
-    const TreeOnDevice on_device(tree, optimizer);
-    const cl::CommandQueue& queue = TreeOnDevice::queue();
-    const cl::Context other_context(queue.getInfo<CL_QUEUE_DEVICE>());
-    const cl::Buffer foreign(other_context, CL_MEM_READ_WRITE, 1 << 20);
-    const cl::Buffer read_only(TreeOnDevice::context(), CL_MEM_READ_ONLY, 1 << 20);
-    const cl::CommandQueue foreign_queue(other_context, queue.getInfo<CL_QUEUE_DEVICE>());
-    struct Arguments {
-        cl_command_queue queue;
-        DeviceNodes tree;
-        DeviceSpan scratch;
-        std::vector<cl_event> wait_list;
-    };
-    const Arguments sound{queue(), on_device.target(), {on_device.scratch()}, {}};
-    const auto expect_refused = [&](std::initializer_list<std::string> words, auto&& change) {
-        Arguments changed = sound;
-        change(changed);
-        const OpenClCalls calls = opencl_calls_of([&] {
-            expect_error(ErrorCode::invalid_input, words,
-                         [&] { optimizer.enqueue(changed.queue, changed.tree, changed.scratch, changed.wait_list); });
-        });
-        CHECK(calls.launches == 0);
-    };
-    expect_refused({"queue is null"}, [](Arguments& a) { a.queue = nullptr; });
-    expect_refused({"queue", "another OpenCL context"}, [&](Arguments& a) { a.queue = foreign_queue(); });
-    expect_refused({"wait list", "null"}, [](Arguments& a) { a.wait_list = {nullptr}; });
-    expect_refused({"the nodes", "no buffer"}, [](Arguments& a) { a.tree.nodes = {}; });
-    expect_refused({"the nodes", "needs 6432 bytes"}, [](Arguments& a) { ++a.tree.node_count; });
-    expect_refused({"the nodes", "another OpenCL context"}, [&](Arguments& a) { a.tree.nodes = {foreign()}; });
-    expect_refused({"the nodes", "CL_MEM_READ_WRITE"}, [&](Arguments& a) { a.tree.nodes = {read_only()}; });
-    expect_refused({"the scratch", "no buffer"}, [](Arguments& a) { a.scratch = {}; });
-    expect_refused({"the scratch", "multiple of"}, [](Arguments& a) {
-        static const cl::Buffer large(TreeOnDevice::context(), CL_MEM_READ_WRITE, 1 << 20);
-        a.scratch = {large(), 4};
-    });
-    expect_refused({"the nodes and the scratch overlap"}, [](Arguments& a) {
-        static const cl::Buffer large(TreeOnDevice::context(), CL_MEM_READ_WRITE, 1 << 20);
-        a.tree.nodes = a.scratch = {large()};
-    });
-    expect_refused({"the active count's offset is 2"}, [&](Arguments& a) { a.tree.active_count = {read_only(), 2}; });
-    expect_refused({"the active count", "needs 4 bytes"}, [&](Arguments& a) {
-        a.tree.active_count = {read_only(), 1 << 20};
-    });
-    expect_refused({"the active count and the nodes lie in one buffer", "sub-buffer"}, [](Arguments& a) {
-        static const cl::Buffer large(TreeOnDevice::context(), CL_MEM_READ_WRITE, 1 << 20);
-        a.tree.nodes = {large()};
-        a.tree.active_count = {large(), 1 << 19};
-    });
-    optimizer.enqueue(sound.queue, sound.tree, sound.scratch);
-    CHECK(on_device.read() == optimizer.optimize(tree).nodes);
-    expect_error(ErrorCode::unsupported, {"4294967294 nodes", "too large"},
-                 [&] { static_cast<void>(optimizer.scratch_bytes(4294967294u)); });
 }

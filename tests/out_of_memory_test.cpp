@@ -1,5 +1,5 @@
-// Memory that runs out: every allocation of a host build or a refit fails once, and each time an Error(out_of_memory)
-// comes out, and the builder or the refitter still works.
+// Memory that runs out: every allocation of a host build or a refit fails once, and every buffer of a device build with
+// optimisers, and each time an Error(out_of_memory) comes out, and the builder or the refitter still works.
 #include <tbb/task_arena.h>
 
 #include <atomic>
@@ -14,6 +14,7 @@
 #include "support/builders.hpp"
 #include "support/fitted_by_definition.hpp"
 #include "support/meshes.hpp"
+#include "support/opencl_calls.hpp"
 
 namespace {
 
@@ -107,6 +108,34 @@ TEST_CASE("an allocation that fails anywhere in a host build is an Error, and th
             CHECK(failures > 0);
         }
     }
+}
+
+TEST_CASE("device memory that runs out anywhere in a build with optimizers is an Error, and the builder still works") {
+    const Mesh mesh = generate_scene("hair", 3000);
+    BuildOptions options;
+    options.optimizers = "treelet,reinsert";
+    options.optimize_on = OptimizeOn::device;
+    const Bvh expected = make_builder("hploc", options).build(mesh);
+    long failures = 0;
+    for (bool is_built = false; !is_built && failures < 1000;) {
+        Builder fresh = make_builder("hploc", options);
+        fresh.upload(mesh);
+        allow_buffers(failures);
+        try {
+            fresh.run();
+            allow_buffers();
+            is_built = true;
+        } catch (const Error& error) {
+            allow_buffers();
+            REQUIRE(error.code() == ErrorCode::out_of_memory);
+            ++failures;
+        } catch (...) {
+            allow_buffers();
+            FAIL("something else than an Error came out after " << failures << " buffers");
+        }
+        REQUIRE(same_bytes(fresh.build(mesh), expected));
+    }
+    CHECK(failures > 20);
 }
 
 TEST_CASE("an allocation that fails anywhere in a refit is an Error, and the next refit puts all boxes right") {

@@ -76,8 +76,9 @@ struct MemoryPlan {
 [[nodiscard]] MemoryPlan plan_memory(const BuildSettings& settings, BoxOrder box_order, std::uint32_t primitives,
                                      std::uint64_t extra_bytes);
 
-/// Throws Error(unsupported) where a block of the plan would exceed the device's largest allocation.
-void check_allocations(const Session& session, const MemoryPlan& plan);
+/// Throws Error(unsupported) where a block of the plan, or one of `scratch_bytes` beside them, would exceed the
+/// device's largest allocation.
+void check_allocations(const Session& session, const MemoryPlan& plan, std::uint64_t scratch_bytes = 0);
 
 /// The blocks of one build.
 struct BuildMemory {

@@ -31,6 +31,8 @@ struct OptimizeJob {
 /// What makes one device optimiser different from the next. None waits for the device.
 struct DeviceOptimizerRow {
     std::vector<ProgramSpec> (*programs)(const OptimizeSettings& settings);
+    /// Local memory of a work group in the lane shape; that of the group shape fits any device.
+    std::uint64_t (*lane_local_bytes)(const OptimizeSettings& settings);
     std::uint64_t (*scratch_bytes)(const OptimizeSettings& settings, std::uint32_t node_count);
     void (*launch)(const OptimizeJob& job);
 };

@@ -89,10 +89,10 @@ void Launcher::copy_uint(const cl::Buffer& from, std::uint64_t from_offset, cons
     });
 }
 
-void Launcher::fill_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count, std::uint32_t value) {
-    with_opencl_errors("writing counts", [&] {
+void Launcher::clear_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count) {
+    with_opencl_errors("clearing counts", [&] {
         enqueue_next([&](const std::vector<cl::Event>* waits, cl::Event* event) {
-            queue_.enqueueFillBuffer(to, cl_uint{value}, offset, count * sizeof(cl_uint), waits, event);
+            queue_.enqueueFillBuffer(to, cl_uint{0}, offset, count * sizeof(cl_uint), waits, event);
         });
     });
 }

@@ -50,12 +50,8 @@ public:
     /// Enqueues a copy of the number `from_offset` bytes into `from` to `offset` bytes into `to`.
     void copy_uint(const cl::Buffer& from, std::uint64_t from_offset, const cl::Buffer& to, std::uint64_t offset);
 
-    /// Enqueues that `count` numbers from `offset` bytes into `to` on become `value`.
-    void fill_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count, std::uint32_t value);
-    /// The same with 0.
-    void clear_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count) {
-        fill_uints(to, offset, count, 0);
-    }
+    /// Enqueues that `count` numbers from `offset` bytes into `to` on become 0.
+    void clear_uints(const cl::Buffer& to, std::uint64_t offset, std::uint64_t count);
 
     /// Makes `*event`, where there is one, an event of the caller's that is complete when all that was enqueued is.
     void hand_over_end(cl_event* event);

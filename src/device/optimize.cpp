@@ -1,8 +1,10 @@
 #include "device/optimize.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
+#include "clbvh/core/error.hpp"
 #include "core/check_field.hpp"
 #include "device/build_settings.hpp"
 
@@ -12,11 +14,9 @@ namespace {
 // Two trees of three leaves may differ.
 constexpr std::uint32_t kLeastNodes = 6;
 
-OptimizeSettings resolve(Session& session, const DeviceOptimizerOptions& options) {
-    check_range("passes", options.passes, 0, kMostPasses);
-    check_range("treelet_leaves", options.treelet_leaves, 3, 8);
+OptimizeSettings resolve(Session& session, const DeviceOptimizerOptions& options, Shape shape) {
     BuildOptions build_options;
-    build_options.shape = options.shape;
+    build_options.shape = shape;
     const BuildSettings build = resolve_settings(build_options, session, {.chunks = false, .presets = false});
     OptimizeSettings settings;
     settings.shape = build.shape;
@@ -27,11 +27,32 @@ OptimizeSettings resolve(Session& session, const DeviceOptimizerOptions& options
     return settings;
 }
 
+/// The settings, in the group shape where the lane shape was not asked for and has too little local memory.
+OptimizeSettings resolve(Session& session, const std::vector<ChosenOptimizer>& optimizers,
+                         const DeviceOptimizerOptions& options) {
+    check_range("passes", options.passes, 0, kMostPasses);
+    check_range("treelet_leaves", options.treelet_leaves, 3, 8);
+    const OptimizeSettings settings = resolve(session, options, options.shape);
+    if (!settings.lane()) return settings;
+    const DeviceInfo& info = session.info();
+    for (const ChosenOptimizer& optimizer : optimizers) {
+        const std::uint64_t bytes = optimizer.row->lane_local_bytes(settings);
+        if (bytes <= info.local_memory_bytes) continue;
+        if (options.shape != Shape::lane) return resolve(session, options, Shape::group);
+        throw Error(ErrorCode::unsupported, std::string(optimizer.id) + " with treelet_leaves " +
+                                                std::to_string(options.treelet_leaves) + " in the lane shape needs " +
+                                                std::to_string(bytes) + " bytes of local memory, but " + info.name +
+                                                " has " + std::to_string(info.local_memory_bytes) +
+                                                "; take treelet_leaves 7 or Shape::group");
+    }
+    return settings;
+}
+
 }  // namespace
 
 OptimizerChain::OptimizerChain(Session& session, std::vector<ChosenOptimizer> optimizers,
                                const DeviceOptimizerOptions& options)
-    : optimizers_(std::move(optimizers)), settings_(resolve(session, options)) {
+    : optimizers_(std::move(optimizers)), settings_(resolve(session, optimizers_, options)) {
     for (const ChosenOptimizer& optimizer : optimizers_) {
         const std::vector<ProgramSpec> programs = optimizer.row->programs(settings_);
         session.prepare({programs});

@@ -42,18 +42,19 @@ BuildMemory allocate(const Session& session, const MemoryPlan& plan) {
 
 }  // namespace
 
-void check_allocations(const Session& session, const MemoryPlan& plan) {
+void check_allocations(const Session& session, const MemoryPlan& plan, std::uint64_t scratch_bytes) {
     const std::uint64_t most = session.info().max_allocation_bytes;
-    std::uint64_t largest = 0;
+    std::uint64_t largest = scratch_bytes;
     for (const Field& field : kFields) {
         largest = std::max(largest, plan.*field.bytes);
     }
     if (largest > most) {
-        throw Error(ErrorCode::unsupported,
-                    std::to_string(plan.primitives) + " primitives need a buffer of " + std::to_string(largest >> 20) +
-                        " MiB, but " + session.info().name + " allocates at most " + std::to_string(most >> 20) +
-                        " MiB at once, enough for " + std::to_string(most / (plan.nodes / plan.primitives)) +
-                        " primitives; build in parts");
+        const std::uint64_t bytes_each = std::max(largest, plan.nodes) / plan.primitives;
+        throw Error(ErrorCode::unsupported, std::to_string(plan.primitives) + " primitives need a buffer of " +
+                                                std::to_string(largest >> 20) + " MiB, but " + session.info().name +
+                                                " allocates at most " + std::to_string(most >> 20) +
+                                                " MiB at once, enough for " + std::to_string(most / bytes_each) +
+                                                " primitives; build in parts");
     }
 }
 

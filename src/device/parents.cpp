@@ -3,12 +3,6 @@
 #include "clbvh/core/bvh.hpp"
 
 namespace clbvh::device {
-namespace {
-
-constexpr std::uint32_t kSlotsPerGroup = 4096;  // SLOTS_PER_GROUP of kernels/tree_nodes.clh
-
-}  // namespace
-
 ProgramSpec parents_program(std::size_t work_group_size) {
     return {"parents.cl", work_group_size, ""};
 }

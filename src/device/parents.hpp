@@ -15,6 +15,9 @@ struct TreeNodes {
 /// The kernels of this stage.
 [[nodiscard]] ProgramSpec parents_program(std::size_t work_group_size);
 
+/// What one group of such a pass takes: SLOTS_PER_GROUP of kernels/tree_nodes.clh.
+inline constexpr std::uint32_t kSlotsPerGroup = 4096;
+
 /// Groups for a pass over all slots of a tree, in kernels that include tree_nodes.clh.
 [[nodiscard]] std::size_t slot_groups(std::uint32_t node_count);
 

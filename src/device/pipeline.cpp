@@ -87,13 +87,18 @@ BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, cons
     Block scratch;
     if (mesh.active_count > 0) {
         memory.reserve(session, plan);
-        if (scratch_bytes > 0) scratch.buffer = end.scratch.reserve(session, scratch_bytes);
+        with_opencl_errors("memory for optimizing", [&] {
+            if (scratch_bytes > 0) scratch.buffer = end.scratch.reserve(session, scratch_bytes);
+        });
     }
     Launcher launcher(session, progress);
     if (mesh.active_count > 0) {
         const BuildBuffers& buffers = memory.buffers();
         launch_stages(launcher, algorithm, settings, mesh, buffers, false);
-        end.optimizers.launch(launcher, {buffers.nodes, 2 * mesh.active_count, {buffers.leaf_count}}, scratch, 0.95);
+        with_opencl_errors("optimizing", [&] {
+            const TreeNodes tree{buffers.nodes, 2 * mesh.active_count, {buffers.leaf_count}};
+            end.optimizers.launch(launcher, tree, scratch, 0.95);
+        });
     }
     BuildStats stats = launcher.finish();
     stats.peak_device_bytes = mesh.active_count > 0 ? plan.bytes() + scratch_bytes : 0;

@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::uint64_t kWord = sizeof(cl_uint);
 constexpr std::uint64_t kBoundsBytes = 12 * sizeof(float);  // BOUNDS_FLOATS of kernels/scene_bounds.clh
-constexpr std::uint64_t kBehindBoxes = 2 * sizeof(float);   // read with the last box, and not used
 constexpr std::uint32_t kRangesPerUnit = 32;
 constexpr std::uint32_t kMostRanges = 1024;
 
@@ -76,7 +75,7 @@ ScratchViews cut_scratch(const RefitSettings& settings, std::uint32_t node_count
                          const Block& block) {
     Cutter cutter(block);
     ScratchViews views;
-    views.bounds.boxes = cutter.take(sizeof(Aabb) * primitive_count + kBehindBoxes);
+    views.bounds.boxes = cutter.take(sizeof(Aabb) * primitive_count);
     views.bounds.partial_bounds = cutter.take(kBoundsBytes * BuildBuffers::kMostPieces);
     views.bounds.partial_counts = cutter.take(kWord * BuildBuffers::kMostPieces);
     views.bounds.bounds = cutter.take(kBoundsBytes);
@@ -152,8 +151,7 @@ std::uint64_t refit_order_bytes(const RefitSettings& settings, std::uint32_t nod
 
 std::uint64_t refit_scratch_bytes(const RefitSettings& settings, std::uint32_t node_count,
                                   std::uint32_t primitive_count) {
-    return align_for_views(sizeof(Aabb) * primitive_count + kBehindBoxes) +
-           align_for_views(kBoundsBytes * BuildBuffers::kMostPieces) +
+    return align_for_views(sizeof(Aabb) * primitive_count) + align_for_views(kBoundsBytes * BuildBuffers::kMostPieces) +
            align_for_views(kWord * BuildBuffers::kMostPieces) + align_for_views(kBoundsBytes) + align_for_views(kWord) +
            2 * align_for_views(sum_bytes(settings, node_count)) + 2 * align_for_views(sizeof(float));
 }

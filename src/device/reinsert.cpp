@@ -8,8 +8,7 @@ namespace clbvh::device {
 namespace {
 
 constexpr std::uint32_t kPasses = 32;
-constexpr std::uint64_t kSlotsPerGroup = 4096;  // SLOTS_PER_GROUP of kernels/tree_nodes.clh
-constexpr std::uint64_t kRanks = 2049;          // RANKS of kernels/reinsert_state.clh, as the next three
+constexpr std::uint64_t kRanks = 2049;  // RANKS of kernels/reinsert_state.clh, as the next three
 constexpr std::uint64_t kControlBytes = 64;
 constexpr std::uint64_t kFoundBytes = 16;
 constexpr std::uint64_t kChangeBytes = 16;
@@ -26,6 +25,10 @@ constexpr std::string_view kRefit = "reinsert_refit.cl";
 std::vector<ProgramSpec> programs(const OptimizeSettings& settings) {
     const std::size_t group = settings.stream_group_size;
     return {parents_program(group), {kChoose, group, ""}, {kMoves, group, ""}, {kRefit, group, ""}};
+}
+
+std::uint64_t lane_local_bytes(const OptimizeSettings&) {
+    return kRanks * 4;  // reinsert_choose.cl
 }
 
 std::uint64_t scratch_bytes(const OptimizeSettings& settings, std::uint32_t node_count) {
@@ -55,7 +58,7 @@ ReinsertSizes::ReinsertSizes(const OptimizeSettings& settings, std::uint32_t nod
       candidates(node_count / kCandidatesDivisor + 1),
       groups(std::min(std::uint64_t{settings.groups_to_fill} * (settings.lane() ? kLaneGroups : kGroups),
                       candidates / kLeastShare + 1)),
-      blocks((nodes + kSlotsPerGroup - 1) / kSlotsPerGroup) {}
+      blocks(slot_groups(node_count)) {}
 
 ReinsertViews::ReinsertViews(const ReinsertSizes& sizes, Block scratch) : scratch_(std::move(scratch)) {
     parents = take(4 * sizes.nodes / 2);
@@ -97,8 +100,8 @@ void ReinsertPasses::launch_on_slots(const char* name, const Arguments&... argum
 void ReinsertPasses::begin() {
     launch_parents(job_.launcher, job_.settings.stream_group_size, job_.tree, v_.parents);
     launch_on_slots("begin_reinsertion", v_.locks, v_.moving, v_.arrivals, v_.histogram, v_.control);
-    const Pieces pieces = cut_into_pieces(job_.tree.node_count / 2, static_cast<std::uint32_t>(sizes_.groups),
-                                          static_cast<std::uint32_t>(kSlotsPerGroup / 2));
+    const Pieces pieces =
+        cut_into_pieces(job_.tree.node_count / 2, static_cast<std::uint32_t>(sizes_.groups), kSlotsPerGroup / 2);
     launch_on_tree(job_.launcher, kernel(kChoose, "rate_nodes"), pieces.count, job_.tree, v_.parents, pieces.length,
                    v_.control, v_.ranks, v_.histogram, v_.box_changes);
     launch(kChoose, "begin_passes", 1, v_.box_changes, pieces.count, v_.area);
@@ -143,6 +146,6 @@ void ReinsertPasses::undo() {
     launch(kMoves, "undo_moves", sizes_.groups, nodes(), v_.parents, v_.control, v_.found, v_.state);
 }
 
-const DeviceOptimizerRow kReinsert{programs, scratch_bytes, launch};
+const DeviceOptimizerRow kReinsert{programs, lane_local_bytes, scratch_bytes, launch};
 
 }  // namespace clbvh::device

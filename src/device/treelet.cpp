@@ -33,6 +33,13 @@ std::vector<ProgramSpec> programs(const OptimizeSettings& settings) {
     return {parents_program(settings.stream_group_size), sizes_program(settings), search_program(settings)};
 }
 
+// The arrays of restructure() in treelet_lane.clh, which are vectors of 16 words: nodes, pairs, candidates, boxes of
+// subsets of the first three leaves and of the others, costs and parts of subsets, walks.
+std::uint64_t lane_local_bytes(const OptimizeSettings& settings) {
+    const std::uint64_t subsets = std::uint64_t{1} << settings.treelet_leaves;
+    return 64 * (64 + 8 + settings.treelet_leaves + 6 * 8 + 6 * (subsets / 8) + 2 * subsets + 2);
+}
+
 // Arrays of four bytes a number, one behind the other.
 struct Plan {
     std::uint64_t pairs, roots;  // numbers
@@ -113,6 +120,6 @@ void launch(const OptimizeJob& job) {
 
 }  // namespace
 
-const DeviceOptimizerRow kTreelet{programs, scratch_bytes, launch};
+const DeviceOptimizerRow kTreelet{programs, lane_local_bytes, scratch_bytes, launch};
 
 }  // namespace clbvh::device

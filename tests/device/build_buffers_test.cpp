@@ -218,6 +218,9 @@ TEST_CASE("buffers: too many primitives for the largest allocation are refused b
                  {"1048577 primitives", "64 MiB at once", "enough for 1048576 primitives", small.info().name},
                  [&] { own.reserve(small, plan((1 << 20) + 1)); });
     expect_error(ErrorCode::unsupported, {"128 MiB"}, [&] { own.reserve(small, plan(1000, 128 << 20)); });
+    device::check_allocations(small, plan(1000), 64 << 20);
+    expect_error(ErrorCode::unsupported, {"1000 primitives", "65 MiB"},
+                 [&] { device::check_allocations(small, plan(1000), 65 << 20); });
     CHECK(handles(own) == before);
     OwnMemory fresh;
     CHECK_THROWS_AS(fresh.reserve(small, plan((1 << 20) + 1)), Error);

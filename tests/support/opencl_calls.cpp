@@ -13,6 +13,19 @@ struct Counters {
 };
 Counters counters;
 
+/// Buffers that are still made; negative: all are.
+std::atomic<long> buffers_left{-1};
+
+bool may_make_buffer() {
+    if (buffers_left.load() < 0) return true;
+    return buffers_left.load() > 0 && buffers_left.fetch_sub(1) > 0;
+}
+
+cl_mem fail(cl_int* error) {
+    if (error != nullptr) *error = CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    return nullptr;
+}
+
 /// The loader's own function of this name, which the definition below stands before.
 template <typename Function>
 Function* next(const char* name) {
@@ -25,9 +38,18 @@ OpenClCalls opencl_calls() {
     return {counters.buffers, counters.sub_buffers, counters.programs, counters.launches, counters.waits};
 }
 
+void allow_buffers(long allowed) {
+    buffers_left = allowed;
+}
+void allow_buffers() {
+    buffers_left = -1;
+}
+
 }  // namespace clbvh::test
 
 using clbvh::test::counters;
+using clbvh::test::fail;
+using clbvh::test::may_make_buffer;
 using clbvh::test::next;
 
 extern "C" {
@@ -35,6 +57,7 @@ extern "C" {
 cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void* host, cl_int* error) {
     static auto* const real = next<decltype(clCreateBuffer)>("clCreateBuffer");
     ++counters.buffers;
+    if (!may_make_buffer()) return fail(error);
     return real(context, flags, size, host, error);
 }
 
@@ -49,6 +72,7 @@ cl_mem clCreateSubBuffer(cl_mem buffer, cl_mem_flags flags, cl_buffer_create_typ
                          cl_int* error) {
     static auto* const real = next<decltype(clCreateSubBuffer)>("clCreateSubBuffer");
     ++counters.sub_buffers;
+    if (!may_make_buffer()) return fail(error);
     return real(buffer, flags, type, info, error);
 }
 

@@ -17,6 +17,12 @@ struct OpenClCalls {
 
 [[nodiscard]] OpenClCalls opencl_calls();
 
+/// Lets the next `allowed` buffers and views of buffers be made, and no more until allow_buffers(), as where a device's
+/// memory runs out.
+void allow_buffers(long allowed);
+/// Lets all be made again.
+void allow_buffers();
+
 /// What `body` called.
 template <typename Body>
 [[nodiscard]] OpenClCalls opencl_calls_of(Body&& body) {

@@ -58,7 +58,7 @@ enum class PairMerging : std::uint8_t {
     off,
 };
 
-/// Where the optimisers of a build run.
+/// Where the optimisers of a build run. On a device they can be cancelled only before they begin.
 enum class OptimizeOn : std::uint8_t {
     host,    ///< All optimisers, on the tree of any builder.
     device,  ///< On the device that built the tree, before it is downloaded; those with OptimizerInfo::on_device.

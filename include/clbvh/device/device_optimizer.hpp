@@ -48,8 +48,9 @@ struct DeviceNodes {
 class DeviceOptimizer {
 public:
     /// `ids` are ids of optimizers() with commas between them, run in this order. Throws what check_optimizers throws;
-    /// Error(unsupported) naming the first that runs on the host only; Error(invalid_input) for options out of range;
-    /// and what the device says where a program does not build.
+    /// Error(unsupported) naming the first that runs on the host only, or where Shape::lane is asked for and treelets
+    /// of 8 leaves need more local memory than the device has (Shape::automatic takes the group shape there);
+    /// Error(invalid_input) for options out of range; and what the device says where a program does not build.
     DeviceOptimizer(std::string_view ids, Context context, const DeviceOptimizerOptions& options = {});
     DeviceOptimizer(const DeviceOptimizer&) = delete;
     DeviceOptimizer(DeviceOptimizer&&) noexcept;
@@ -68,10 +69,11 @@ public:
     /// Enqueues the optimisers: they begin when the events in `wait_list` are complete, in an in-order queue also
     /// behind what was enqueued before, and `event`, where given, becomes the caller's own event of their end.
     ///
-    /// All memory is looked at as DeviceBuilder::enqueue does: throws Error(invalid_input) that names the first thing
-    /// wrong, before anything is enqueued. The values cannot be checked: for nodes that form no tree, for slots without
-    /// a node that are not zero, and for an active count out of range the behaviour is undefined. A tree without
-    /// leaves, as DeviceBuilder leaves it where no primitive is active, stays as it is.
+    /// All memory is looked at as DeviceBuilder::enqueue does, the scratch where it takes any: throws
+    /// Error(invalid_input) that names the first thing wrong, before anything is enqueued. The values cannot be
+    /// checked: for nodes that form no tree, for slots without a node that are not zero, and for an active count out of
+    /// range the behaviour is undefined. A tree without leaves, as DeviceBuilder leaves it where no primitive is
+    /// active, stays as it is.
     void enqueue(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& scratch,
                  std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
 
