@@ -1,7 +1,6 @@
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
-#include <clbvh/metrics/epo.hpp>
 #include <cstdint>
 #include <iterator>
 #include <memory>
@@ -16,6 +15,7 @@
 #include "cost_prediction.hpp"
 #include "interrupt.hpp"
 #include "json_output.hpp"
+#include "measuring_arguments.hpp"
 #include "metrics_scene.hpp"
 #include "progress_bar.hpp"
 #include "result_json.hpp"
@@ -33,8 +33,7 @@ struct Arguments {
     std::string builders = "all";
     RayArguments rays;
     TracerArguments tracing;
-    std::uint32_t runs = 5;
-    std::uint64_t epo_samples = 0;  // 0: exact
+    MeasuringArguments measuring;
     BuildArguments build;
     JsonOutput json;
 };
@@ -47,7 +46,8 @@ public:
     explicit Measuring(const Arguments& arguments)
         : arguments_(arguments), choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)) {
         choice_.context = arguments.tracing.context(std::move(choice_.context), arguments.build.device);
-        settings_ = {{choice_.ids, arguments.runs, arguments.build.options, choice_.context}, arguments.epo_samples};
+        settings_ = {{choice_.ids, arguments.measuring.runs, arguments.build.options, choice_.context},
+                     arguments.measuring.epo_samples};
     }
 
     void run() {
@@ -104,8 +104,7 @@ void check_arguments(const Arguments& arguments) {
     arguments.view.check();
     arguments.json.require_writable();
     arguments.rays.check(arguments.scenes.size());
-    if (arguments.rays.kinds.size() != 1)
-        throw Error(ErrorCode::invalid_input, "--rays: metrics are about one kind of rays; give one");
+    require_one_kind(arguments.rays, "metrics are");
     std::ranges::for_each(arguments.scenes, require_scene);
 }
 
@@ -124,16 +123,7 @@ void add_measuring_options(CLI::App& command, Arguments& arguments) {
                     "Ids or groups (all, host, device, presets) with commas between them; see clbvh builders")
         ->type_name("A,B,C")
         ->capture_default_str();
-    command.add_option("--runs", arguments.runs, "Timed rounds, after one that warms up, 1 to 1000")
-        ->check(CLI::Range(1, 1000))
-        ->type_name("N")
-        ->capture_default_str();
-    command
-        .add_option("--epo-samples", arguments.epo_samples,
-                    "Estimate EPO from so many points, 2 to 2^32, which is faster where large triangles meet many "
-                    "boxes; exact unless given")
-        ->check(CLI::Range(kFewestEpoSamples, kMostEpoSamples))
-        ->type_name("N");
+    arguments.measuring.add_options(command);
 }
 
 }  // namespace

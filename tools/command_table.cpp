@@ -1,7 +1,6 @@
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
-#include <clbvh/metrics/epo.hpp>
 #include <cstdint>
 #include <iterator>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "cost_prediction.hpp"
 #include "interrupt.hpp"
 #include "json_output.hpp"
+#include "measuring_arguments.hpp"
 #include "nine_builders.hpp"
 #include "nine_report.hpp"
 #include "nine_scene.hpp"
@@ -34,8 +34,7 @@ struct Arguments {
     std::string builders = "all";
     RayArguments rays;
     TracerArguments tracing;  // of which only the triangle test is asked for
-    std::uint32_t runs = 5;
-    std::uint64_t epo_samples = 0;  // 0: exact
+    MeasuringArguments measuring;
     AnnealConfig annealing;
     BuildArguments build;
     JsonOutput json;
@@ -67,8 +66,8 @@ public:
         settings_.builders = choose_nine(arguments.builders);
         choice_ = open_device(settings_.builders, arguments.build.device);
         settings_.trees = {arguments.build.options, arguments.annealing, choice_.context};
-        settings_.runs = arguments.runs;
-        settings_.epo_samples = arguments.epo_samples;
+        settings_.runs = arguments.measuring.runs;
+        settings_.epo_samples = arguments.measuring.epo_samples;
         settings_.triangle_test = arguments.tracing.triangle_test;
         settings_.traces_on_device = choice_.context.has_value();
     }
@@ -142,8 +141,7 @@ void check_arguments(const Arguments& arguments) {
     arguments.view.check();
     arguments.json.require_writable();
     arguments.rays.check(arguments.scenes.size());
-    if (arguments.rays.kinds.size() != 1)
-        throw Error(ErrorCode::invalid_input, "--rays: the table is about one kind of rays; give one");
+    require_one_kind(arguments.rays, "the table is");
     std::ranges::for_each(arguments.scenes, require_scene);
 }
 
@@ -163,16 +161,7 @@ void add_measuring_options(CLI::App& command, Arguments& arguments) {
                     "commas between them")
         ->type_name("A,B,C")
         ->capture_default_str();
-    command.add_option("--runs", arguments.runs, "Timed rounds, after one that warms up, 1 to 1000")
-        ->check(CLI::Range(1, 1000))
-        ->type_name("N")
-        ->capture_default_str();
-    command
-        .add_option("--epo-samples", arguments.epo_samples,
-                    "Estimate EPO from so many points, 2 to 2^32, which is faster where large triangles meet many "
-                    "boxes; exact unless given")
-        ->check(CLI::Range(kFewestEpoSamples, kMostEpoSamples))
-        ->type_name("N");
+    arguments.measuring.add_options(command);
     command
         .add_option("--anneal-passes", arguments.annealing.length,
                     "Passes of annealing, 1 to 1000000: the paper's 1250 take minutes over millions of triangles")
