@@ -143,6 +143,21 @@ TEST_CASE("progress through the C interface names the stage and cancels") {
     CHECK(stage == "bounds");
 }
 
+TEST_CASE("presets stand for builders in the C interface") {
+    const Mesh mesh = clbvh::generate_scene("city", 3000);
+    for (const clbvh::PresetInfo& preset : clbvh::presets()) {
+        INFO(preset.id);
+        CBuilder c;
+        REQUIRE(clbvh_create_builder(std::string(preset.id).c_str(), nullptr, nullptr, &c.handle) == CLBVH_OK);
+        REQUIRE(build(c.handle, mesh) == CLBVH_OK);
+        const clbvh::Bvh expected = clbvh::build(mesh, preset.id);
+        std::uint64_t count = 0;
+        const clbvh_node* nodes = clbvh_nodes(c.handle, &count);
+        REQUIRE(count == expected.nodes.size());
+        CHECK(std::memcmp(nodes, expected.nodes.data(), count * sizeof(clbvh_node)) == 0);
+    }
+}
+
 TEST_CASE("the C interface knows both presets of hploc") {
     const Mesh mesh = clbvh::generate_scene("soup", 2000);
     clbvh_options options;

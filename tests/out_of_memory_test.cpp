@@ -46,13 +46,13 @@ using namespace clbvh::test;
 
 namespace {
 
-/// Builds, and lets the allocation behind the first `allowed` ones fail. Returns false where that was told as it should
-/// be, true where there were fewer.
-bool try_build(Builder& builder, const Mesh& mesh, long allowed) {
+/// Does `work`, and lets the allocation behind the first `allowed` ones fail. Returns false where that was told as it
+/// should be, true where there were fewer.
+template <typename Work>
+bool try_with(long allowed, const Work& work) {
     try {
         allocations_left = allowed;
-        builder.upload(mesh);
-        builder.run();
+        work();
         allocations_left = -1;
         return true;
     } catch (const Error& error) {
@@ -66,24 +66,16 @@ bool try_build(Builder& builder, const Mesh& mesh, long allowed) {
     return false;
 }
 
-/// As try_build(), of a refit on one thread.
+bool try_build(Builder& builder, const Mesh& mesh, long allowed) {
+    return try_with(allowed, [&] {
+        builder.upload(mesh);
+        builder.run();
+    });
+}
+
+/// On one thread.
 bool try_refit(Refitter& refitter, Bvh& tree, const Mesh& mesh, long allowed) {
-    try {
-        tbb::task_arena(1).execute([&] {
-            allocations_left = allowed;
-            refitter.refit(tree, mesh);
-            allocations_left = -1;
-        });
-        return true;
-    } catch (const Error& error) {
-        allocations_left = -1;
-        REQUIRE(error.code() == ErrorCode::out_of_memory);
-        return false;
-    } catch (const std::bad_alloc&) {
-        allocations_left = -1;
-        FAIL("std::bad_alloc came out");
-    }
-    return false;
+    return tbb::task_arena(1).execute([&] { return try_with(allowed, [&] { refitter.refit(tree, mesh); }); });
 }
 
 }  // namespace

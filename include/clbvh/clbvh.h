@@ -71,9 +71,9 @@ typedef struct clbvh_builder clbvh_builder;
    later version of the library then writes no field that the caller was not compiled with. */
 void clbvh_default_options(clbvh_options* options, uint32_t size);
 
-/** Creates builder `id` ("plocpp", ...) on the device that `device` picks (null or "": the default, see
-    clbvh::pick_device). Builders of the host ("binned-sah", ...) need no device and ignore `device`. `options` may be
-    null. `*builder` is null after a failure. */
+/** Creates builder or preset `id` ("plocpp", "high", ...) on the device that `device` picks (null or "": the default,
+   see clbvh::pick_device). Builders of the host ("binned-sah", ...) need no device and ignore `device`. `options` may
+   be null. `*builder` is null after a failure. */
 clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh_options* options,
                                  clbvh_builder** builder);
 

@@ -42,9 +42,9 @@ constexpr std::size_t kSearchesBetweenLooks = std::size_t{1} << 17;  // at the c
 class Reinserter {
 public:
     Reinserter(Bvh& tree, const ReinsertConfig& config)
-        : tree_(tree.nodes),
+        : clock_("reinsert", config.budget, kMostPasses),
+          tree_(tree.nodes),
           config_(config),
-          clock_("reinsert", config.budget, kMostPasses),
           move_(tree_),
           candidates_(tree_) {}
 
@@ -96,9 +96,9 @@ private:
         return sum;
     }
 
+    PassClock clock_;  // runs from before the tree's nodes are found
     EditTree tree_;
     const ReinsertConfig& config_;
-    PassClock clock_;
     ReinsertionMove move_;
     optimizer::Candidates candidates_;
     tbb::enumerable_thread_specific<ReinsertionSearch> searches_{[this] { return ReinsertionSearch(tree_); }};

@@ -30,9 +30,9 @@ constexpr std::size_t kMovesBetweenLooks = 1024;  // at the clock
 class BatchReinserter {
 public:
     BatchReinserter(Bvh& tree, const ReinsertBatchesConfig& config)
-        : tree_(tree.nodes),
+        : clock_("reinsert-batches", config.budget, kMostPasses),
+          tree_(tree.nodes),
           config_(config),
-          clock_("reinsert-batches", config.budget, kMostPasses),
           search_(tree_),
           move_(tree_) {}
 
@@ -113,9 +113,9 @@ private:
         return changes;
     }
 
+    optimizer::PassClock clock_;  // runs from before the tree's nodes are found
     EditTree tree_;
     const ReinsertBatchesConfig& config_;
-    optimizer::PassClock clock_;
     optimizer::ReinsertionSearch search_;
     optimizer::ReinsertionMove move_;
     std::vector<Rated> rated_;

@@ -86,10 +86,10 @@ private:
 class Annealer {
 public:
     Annealer(Bvh& tree, const AnnealConfig& config)
-        : nodes_(tree.nodes),
+        : clock_("anneal", config.budget, config.length + kMostPasses),
+          nodes_(tree.nodes),
           tree_(nodes_),
-          config_(config),
-          clock_("anneal", config.budget, config.length + kMostPasses) {}
+          config_(config) {}
 
     OptimizeStats run() {
         best_ = nodes_;
@@ -128,10 +128,10 @@ private:
         std::ranges::copy(nodes_, best_.begin());
     }
 
+    PassClock clock_;  // runs from before the tree's nodes are found
     std::vector<Node>& nodes_;
     EditTree tree_;
     const AnnealConfig& config_;
-    PassClock clock_;
     Scratch scratch_;
     std::vector<Node> best_;
     double best_area_ = 0.0;
@@ -156,9 +156,9 @@ void order_pair(Node& a, Node& b) {
 Bvh rotate(Bvh tree, const RotateConfig& config, OptimizeStats* stats) {
     check_range("least_gain", config.least_gain, 0.0f, 1.0f);
     return optimizer::run_optimizer(std::move(tree), "rotations", stats, [&](Bvh& improved) {
+        PassClock clock("rotate", config.budget, kMostPasses);
         EditTree edited(improved.nodes);
         Scratch scratch;
-        PassClock clock("rotate", config.budget, kMostPasses);
         climb(edited, scratch, clock, config.least_gain);
         order_siblings(improved);
         return clock.finish();
