@@ -4,11 +4,11 @@
 #include <string>
 
 #include "clbvh/core/error.hpp"
-#include "device/bounds.hpp"
-#include "device/device_algorithm.hpp"
-#include "device/leaves.hpp"
-#include "device/morton.hpp"
-#include "device/radix_sort.hpp"
+#include "device/build/bounds.hpp"
+#include "device/build/device_algorithm.hpp"
+#include "device/build/leaves.hpp"
+#include "device/build/morton.hpp"
+#include "device/build/radix_sort.hpp"
 #include "stage_runner.hpp"
 
 namespace clbvh::bench {

@@ -7,8 +7,8 @@
 
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/device/context.hpp"
-#include "device/build_buffers.hpp"
-#include "device/launcher.hpp"
+#include "device/build/build_buffers.hpp"
+#include "device/opencl/launcher.hpp"
 
 namespace clbvh::bench {
 

@@ -12,3 +12,10 @@ if(CLBVH_SANITIZE)
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(clbvh_flags INTERFACE -fsanitize=${CLBVH_SANITIZE})
 endif()
+
+# clbvh_precompile(TARGET HEADERS...): what most files of the target include is parsed once.
+function(clbvh_precompile target)
+  if(CLBVH_PRECOMPILE)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()

@@ -7,7 +7,7 @@ include(CMakePackageConfigHelpers)
 
 set(clbvh_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/clbvh)
 
-install(TARGETS clbvh clbvh_io EXPORT clbvh-targets
+install(TARGETS clbvh clbvh_io clbvh_eval EXPORT clbvh-targets
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -37,6 +37,7 @@ install(FILES
 
 # pkg-config files, relative to their own place. Where only static libraries exist, their private needs are everybody's.
 set(clbvh_pc_requires OpenCL)
+set(clbvh_eval_pc_requires "clbvh = ${PROJECT_VERSION}")
 set(clbvh_io_pc_requires "clbvh = ${PROJECT_VERSION}")
 if(clbvh_needs_tbb)
   string(APPEND clbvh_pc_requires ", tbb")
@@ -48,7 +49,7 @@ file(RELATIVE_PATH clbvh_pc_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAK
 string(REGEX REPLACE "/$" "" clbvh_pc_prefix ${clbvh_pc_prefix})
 cmake_path(APPEND clbvh_pc_libdir "\${prefix}" ${CMAKE_INSTALL_LIBDIR})
 cmake_path(APPEND clbvh_pc_includedir "\${prefix}" ${CMAKE_INSTALL_INCLUDEDIR})
-foreach(name IN ITEMS clbvh clbvh-io)
+foreach(name IN ITEMS clbvh clbvh-io clbvh-eval)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/${name}.pc.in ${PROJECT_BINARY_DIR}/package/${name}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/package/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()

@@ -1,6 +1,7 @@
 #pragma once
 
-/// Everything of libclbvh but file input and output, which live in clbvh/io/ and the library clbvh::io.
+/// Trees: building, improving, tracing and measuring them. Files live in clbvh/io/ (the library clbvh::io), cameras, sets of rays
+/// and cost fits in clbvh/eval/ (clbvh::eval).
 
 #include "clbvh/builder.hpp"
 #include "clbvh/core/aabb.hpp"
@@ -10,7 +11,6 @@
 #include "clbvh/core/error.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/core/ray.hpp"
-#include "clbvh/core/rotation.hpp"
 #include "clbvh/core/validate.hpp"
 #include "clbvh/device/batch_builder.hpp"
 #include "clbvh/device/context.hpp"
@@ -27,7 +27,6 @@
 #include "clbvh/host/presplit.hpp"
 #include "clbvh/host/sbvh.hpp"
 #include "clbvh/host/sweep_sah.hpp"
-#include "clbvh/metrics/cost_fit.hpp"
 #include "clbvh/metrics/epo.hpp"
 #include "clbvh/metrics/lcv.hpp"
 #include "clbvh/metrics/sah.hpp"
@@ -40,7 +39,5 @@
 #include "clbvh/optimizers.hpp"
 #include "clbvh/presets.hpp"
 #include "clbvh/registry.hpp"
-#include "clbvh/trace/camera.hpp"
-#include "clbvh/trace/ray_sets.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "clbvh/trace/traverse.hpp"

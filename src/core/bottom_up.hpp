@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
-#include "core/prefetch.hpp"
 #include "core/scratch.hpp"
+#include "core/simd/prefetch.hpp"
 
 namespace clbvh {
 

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "clbvh/core/bvh.hpp"
-#include "core/box4.hpp"
+#include "core/simd/box4.hpp"
 
 namespace clbvh {
 

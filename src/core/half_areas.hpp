@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "core/box4.hpp"
+#include "core/simd/box4.hpp"
 
 namespace clbvh {
 

@@ -11,7 +11,7 @@
 #include "core/check_field.hpp"
 #include "core/exact_areas.hpp"
 #include "core/memory_errors.hpp"
-#include "host/emit_tree.hpp"
+#include "host/build/emit_tree.hpp"
 
 namespace clbvh::host {
 namespace {

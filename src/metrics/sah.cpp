@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/exact_areas.hpp"
-#include "core/prefetch.hpp"
+#include "core/simd/prefetch.hpp"
 #include "metrics/check_costs.hpp"
 #include "metrics/node_cost.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
-#include "core/box4.hpp"
+#include "core/simd/box4.hpp"
 
 namespace clbvh::optimizer {
 

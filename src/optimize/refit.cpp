@@ -11,10 +11,10 @@
 
 #include "clbvh/core/error.hpp"
 #include "clbvh/optimize/refit.hpp"
-#include "core/box4.hpp"
 #include "core/exact_areas.hpp"
 #include "core/memory_errors.hpp"
-#include "core/prefetch.hpp"
+#include "core/simd/box4.hpp"
+#include "core/simd/prefetch.hpp"
 #include "metrics/check_costs.hpp"
 #include "optimize/refit_check.hpp"
 #include "optimize/refit_plan.hpp"

@@ -4,7 +4,7 @@
 
 #include "core/exact_areas.hpp"
 #include "core/half_areas.hpp"
-#include "core/prefetch.hpp"
+#include "core/simd/prefetch.hpp"
 
 namespace clbvh::optimizer {
 

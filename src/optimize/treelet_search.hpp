@@ -5,7 +5,7 @@
 #include <span>
 
 #include "clbvh/core/bvh.hpp"
-#include "core/box4.hpp"
+#include "core/simd/box4.hpp"
 
 namespace clbvh::optimizer {
 

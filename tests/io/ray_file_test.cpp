@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "clbvh/trace/ray_sets.hpp"
+#include "clbvh/eval/ray_sets.hpp"
 #include "io/temp_folder.hpp"
 #include "support/expect_error.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "device/session.hpp"
+#include "device/opencl/session.hpp"
 #include "support/builders.hpp"
 
 namespace clbvh::test {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "clbvh/device/device_tracer.hpp"
-#include "device/opencl.hpp"
+#include "device/opencl/opencl.hpp"
 
 namespace clbvh::test {
 

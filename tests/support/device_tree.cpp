@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "device/session.hpp"
+#include "device/opencl/session.hpp"
 #include "support/builders.hpp"
 
 namespace clbvh::test {

@@ -6,7 +6,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/device/device_builder.hpp"
-#include "device/opencl.hpp"
+#include "device/opencl/opencl.hpp"
 
 namespace clbvh::test {
 

@@ -1,6 +1,6 @@
 #include "support/references.hpp"
 
-#include "host/primitive_bounds.hpp"
+#include "host/build/primitive_bounds.hpp"
 
 namespace clbvh::test {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "clbvh/core/mesh.hpp"
-#include "host/reference.hpp"
+#include "host/build/reference.hpp"
 
 namespace clbvh::test {
 

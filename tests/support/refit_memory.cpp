@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "device/stage_bench.hpp"
+#include "device/build/stage_bench.hpp"
 #include "support/builders.hpp"
 
 namespace clbvh::test {

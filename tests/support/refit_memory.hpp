@@ -4,7 +4,7 @@
 
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/device/device_refitter.hpp"
-#include "device/opencl.hpp"
+#include "device/opencl/opencl.hpp"
 
 namespace clbvh::test {
 

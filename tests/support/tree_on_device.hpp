@@ -1,7 +1,7 @@
 #pragma once
 
 #include "clbvh/device/device_optimizer.hpp"
-#include "device/session.hpp"
+#include "device/opencl/session.hpp"
 #include "support/builders.hpp"
 
 namespace clbvh::test {

@@ -1,4 +1,4 @@
-#include "result_fields.hpp"
+#include "tools/result_fields.hpp"
 
 #include <catch2/catch.hpp>
 

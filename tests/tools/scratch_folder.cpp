@@ -1,4 +1,4 @@
-#include "scratch_folder.hpp"
+#include "tools/scratch_folder.hpp"
 
 #include <stdlib.h>
 

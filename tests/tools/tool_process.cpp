@@ -1,4 +1,4 @@
-#include "tool_process.hpp"
+#include "tools/tool_process.hpp"
 
 #include <signal.h>
 #include <spawn.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "clbvh/core/mesh.hpp"
-#include "clbvh/trace/camera.hpp"
+#include "clbvh/eval/camera.hpp"
 
 namespace clbvh::test {
 

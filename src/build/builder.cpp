@@ -1,0 +1,207 @@
+#include "clbvh/builder.hpp"
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "build/backend.hpp"
+#include "build/finish_stage.hpp"
+#include "build/presplit_stage.hpp"
+#include "catalog/optimizer_rows.hpp"
+#include "clbvh/core/error.hpp"
+#include "clbvh/optimizers.hpp"
+#include "clbvh/presets.hpp"
+#include "core/memory_errors.hpp"
+
+namespace clbvh {
+namespace {
+
+void check_for(const BuilderInfo& info, const BuildOptions& options) {
+    check_options(options);
+    check_optimizers(options.optimizers);
+    if (options.optimize_on == OptimizeOn::host || options.optimizers.empty()) return;
+    if (info.kind == BuilderKind::host) {
+        throw Error(ErrorCode::unsupported, "optimize_on device: " + std::string(info.id) +
+                                                " builds its trees on the host; let the host optimize them, or take a "
+                                                "device builder");
+    }
+    static_cast<void>(find_device_optimizers(options.optimizers));
+}
+
+// What needs no device is checked before one is opened.
+std::optional<Context> open_context_for(std::string_view builder_id, const BuildOptions& options) {
+    const BuilderInfo& info = find_builder(builder_id);
+    check_for(info, with_split_of_optimizers(with_preset(builder_id, options)));
+    if (info.kind == BuilderKind::host) return std::nullopt;
+    return Context::open();
+}
+
+/// More threads than oneTBB may start make it print a warning, and change nothing.
+int arena_size(std::uint32_t thread_count) {
+    if (thread_count == 0) return tbb::task_arena::automatic;
+    const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    return static_cast<int>(std::min<std::size_t>(thread_count, most));
+}
+
+/// True where there is work before the builder.
+bool needs_splitting(const BuildOptions& options) {
+    return options.presplit_level > 0 || options.split_quota > 0.0f;
+}
+
+/// True where there is work behind the builder.
+bool needs_finish(const BuildOptions& options) {
+    return needs_splitting(options) || options.max_leaf_size > 0 || optimizes_on_host(options);
+}
+
+/// The builder's part of a build that has stages before and behind it.
+struct Share {
+    double begin;
+    double end;
+};
+Share share_of_builder(const BuildOptions& options) {
+    const double end = optimizes_on_host(options) ? 0.5 : 0.9;
+    return {needs_splitting(options) ? 0.1 : 0.0, needs_finish(options) ? end : 1.0};
+}
+
+BuildOptions options_of_builder(const BuildOptions& options) {
+    BuildOptions result = options;
+    if (!options.progress) return result;
+    result.progress = [progress = options.progress, share = share_of_builder(options)](const Progress& p) {
+        return progress({p.stage, share.begin + p.fraction * (share.end - share.begin)});
+    };
+    return result;
+}
+
+}  // namespace
+
+struct Builder::State {
+    State(std::string_view builder_id, std::optional<Context> chosen_context, const BuildOptions& chosen_options)
+        : row(find_builder_row(builder_id)),
+          id(find_preset(builder_id) != nullptr ? find_preset(builder_id)->id : row.info.id),
+          context(std::move(chosen_context)),
+          options(with_split_of_optimizers(with_preset(builder_id, chosen_options))) {
+        check_for(row.info, options);
+        backend_options = options_of_builder(options);
+        arena.initialize(arena_size(options.thread_count));
+        if (row.info.kind == BuilderKind::host) {
+            context.reset();
+            backend = make_host_backend(row, backend_options, arena);
+        } else {
+            backend = make_device_backend(row, backend_options, *context);
+        }
+    }
+
+    void upload(const Mesh& mesh);
+    BuildStats run();
+
+    [[nodiscard]] bool is_presplit() const noexcept { return needs_splitting(options); }
+    [[nodiscard]] bool is_finished_here() const noexcept { return needs_finish(options); }
+
+    const BuilderRow& row;
+    std::string_view id;             // of the row, or of the preset
+    std::optional<Context> context;  // absent for host builders
+    BuildOptions options;
+    BuildOptions backend_options;  // the same, save that progress is a part of the whole
+    tbb::task_arena arena;
+    std::unique_ptr<Backend> backend;
+    PresplitStage presplit{row, options};
+    FinishStage finish{options};
+    std::uint64_t primitive_count = 0;
+    std::uint64_t inactive_primitives = 0;
+    bool uploaded = false;
+    bool finished = false;  // the backend holds a tree over its mesh
+};
+
+Builder::Builder(std::string_view builder_id, const BuildOptions& options)
+    : state_(std::make_unique<State>(builder_id, open_context_for(builder_id, options), options)) {}
+
+Builder::Builder(std::string_view builder_id, Context context, const BuildOptions& options)
+    : state_(std::make_unique<State>(builder_id, std::move(context), options)) {}
+
+Builder::Builder(Builder&&) noexcept = default;
+Builder& Builder::operator=(Builder&&) noexcept = default;
+Builder::~Builder() = default;
+
+void Builder::State::upload(const Mesh& mesh) {
+    inactive_primitives = arena.execute([&] { return check_mesh(mesh); });
+    primitive_count = mesh.triangles.size();
+    finished = false;
+    uploaded = false;
+    if (is_presplit()) {
+        arena.execute([&] { presplit.run(mesh, share_of_builder(options).begin); });
+        backend->upload_parts(presplit.boxes(), presplit.triangles());
+    } else {
+        backend->upload(mesh, primitive_count - inactive_primitives);
+    }
+    uploaded = true;
+}
+
+BuildStats Builder::State::run() {
+    finished = false;
+    BuildStats stats = backend->run();
+    stats.inactive_primitives = inactive_primitives;
+    if (is_presplit()) presplit.book(stats);
+    if (is_finished_here()) {
+        const FinishStage::Input input{primitive_count, presplit.sources(), is_presplit()};
+        arena.execute([&] { finish.run(*backend, input, share_of_builder(options).end, stats); });
+    }
+    finished = true;
+    return stats;
+}
+
+void Builder::upload(const Mesh& mesh) {
+    with_memory_errors("a copy of the mesh", [&] { state_->upload(mesh); });
+}
+
+BuildStats Builder::run() {
+    if (!state_->uploaded) {
+        throw Error(ErrorCode::invalid_input, "nothing was uploaded; call upload() before run()");
+    }
+    return with_memory_errors("the build", [&] { return state_->run(); });
+}
+
+Bvh Builder::download() const {
+    const State& state = *state_;
+    if (!state.finished) {
+        throw Error(ErrorCode::invalid_input, "there is no finished tree; call run() before download()");
+    }
+    return with_memory_errors("a copy of the tree", [&] {
+        return state.is_finished_here() ? state.finish.tree() : state.backend->download();
+    });
+}
+
+Bvh Builder::build(const Mesh& mesh, BuildStats* stats) {
+    upload(mesh);
+    BuildStats result = run();
+    if (stats != nullptr) {
+        *stats = std::move(result);
+    }
+    return download();
+}
+
+const BuilderInfo& Builder::info() const noexcept {
+    return state_->row.info;
+}
+std::string_view Builder::id() const noexcept {
+    return state_->id;
+}
+const BuildOptions& Builder::options() const noexcept {
+    return state_->options;
+}
+const Context& Builder::context() const {
+    if (!state_->context) {
+        throw Error(ErrorCode::unsupported, std::string(info().id) + " runs on the host and has no OpenCL context");
+    }
+    return *state_->context;
+}
+Shape Builder::shape() const noexcept {
+    return state_->backend->shape();
+}
+
+Bvh build(const Mesh& mesh, std::string_view builder_id, const BuildOptions& options, BuildStats* stats) {
+    return Builder(builder_id, options).build(mesh, stats);
+}
+
+}  // namespace clbvh

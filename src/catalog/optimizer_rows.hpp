@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "clbvh/core/build_options.hpp"
+#include "clbvh/core/bvh.hpp"
+#include "clbvh/optimize/budget.hpp"
+#include "device/tree/optimize.hpp"
+
+namespace clbvh {
+
+/// The ids of a list with commas between them; none where it is empty.
+[[nodiscard]] std::vector<std::string_view> optimizer_ids(std::string_view list);
+
+/// Runs the optimiser `id` within a build, where triangles have been split before if it asks for that.
+[[nodiscard]] Bvh run_optimizer(Bvh tree, std::string_view id, const OptimizeBudget& budget,
+                                OptimizeStats* stats = nullptr);
+
+/// The options with a quota of splits where one of their optimizers asks for it and they have none. Throws what
+/// check_optimizers throws, and Error(invalid_input) where triangles would be split by presplit_level instead.
+[[nodiscard]] BuildOptions with_split_of_optimizers(BuildOptions options);
+
+/// The optimisers of `ids`, ids with commas between them, as they run on devices. Throws what check_optimizers throws,
+/// and Error(unsupported) naming the first that runs on the host only.
+[[nodiscard]] std::vector<device::ChosenOptimizer> find_device_optimizers(std::string_view ids);
+
+/// Those of `options`, in its shape. Throws what find_device_optimizers and OptimizerChain throw.
+[[nodiscard]] device::OptimizerChain make_optimizer_chain(device::Session& session, const BuildOptions& options);
+
+}  // namespace clbvh

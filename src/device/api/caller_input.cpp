@@ -1,0 +1,105 @@
+#include "device/api/caller_input.hpp"
+
+#include <string>
+#include <utility>
+
+#include "clbvh/core/error.hpp"
+#include "clbvh/core/mesh.hpp"
+
+namespace clbvh::device {
+namespace {
+
+constexpr std::uint64_t kFloat = sizeof(float);
+
+std::uint64_t used_bytes(std::uint64_t count, std::uint64_t stride, std::uint64_t last) {
+    return count > 0 ? (count - 1) * stride + last : 0;
+}
+
+void set_vertices(DeviceMesh& mesh, const CallerMemory& memory, std::uint32_t stride) {
+    mesh.vertices = memory.buffer;
+    mesh.vertex_offset = memory.offset;
+    mesh.vertex_stride = stride;
+}
+
+CallerInput check_form(const Session& session, const DeviceBoxes& input) {
+    check_multiple("the boxes' offset", input.boxes.offset, 0, kFloat);
+    check_multiple("the boxes' stride", input.stride, sizeof(Aabb), kFloat);
+    CallerInput checked;
+    checked.vertices = look_at(session, "the boxes", input.boxes, used_bytes(input.count, input.stride, sizeof(Aabb)));
+    checked.mesh.form = InputForm::boxes;
+    set_vertices(checked.mesh, checked.vertices, input.stride);
+    return checked;
+}
+
+CallerInput check_form(const Session& session, const DeviceTriangles& input) {
+    check_multiple("the vertices' offset", input.vertices.offset, 0, kFloat);
+    check_multiple("the vertices' stride", input.vertex_stride, sizeof(Vec3), kFloat);
+    const bool is_indexed = input.indices.buffer != nullptr;
+    const std::uint64_t least_vertices = is_indexed ? 1 : 3 * std::uint64_t{input.count};
+    CallerInput checked;
+    checked.vertices =
+        look_at(session, "the vertices", input.vertices, used_bytes(least_vertices, input.vertex_stride, sizeof(Vec3)));
+    set_vertices(checked.mesh, checked.vertices, input.vertex_stride);
+    if (!is_indexed) {
+        checked.mesh.form = InputForm::triangles;
+        return checked;
+    }
+    const bool is_short = input.index_type == IndexType::uint16;
+    const std::uint64_t index_bytes = is_short ? sizeof(std::uint16_t) : sizeof(std::uint32_t);
+    const std::uint64_t stride = input.index_stride != 0 ? input.index_stride : 3 * index_bytes;
+    check_multiple("the indices' offset", input.indices.offset, 0, index_bytes);
+    check_multiple("the indices' stride", stride, 3 * index_bytes, index_bytes);
+    checked.indices = look_at(session, "the indices", input.indices, used_bytes(input.count, stride, 3 * index_bytes));
+    checked.mesh.form = is_short ? InputForm::indexed_16 : InputForm::indexed_32;
+    checked.mesh.triangles = checked.indices.buffer;
+    checked.mesh.triangle_offset = input.indices.offset;
+    checked.mesh.triangle_stride = static_cast<std::uint32_t>(stride);
+    return checked;
+}
+
+}  // namespace
+
+CallerInput check_input(const Session& session, const DeviceInput& input) {
+    CallerInput checked = std::visit([&](const auto& primitives) { return check_form(session, primitives); }, input);
+    check_readable(checked.vertices);
+    if (checked.indices.buffer() != nullptr) check_readable(checked.indices);
+    checked.mesh.primitive_count = checked.mesh.active_count = count_of(input);
+    return checked;
+}
+
+std::uint32_t count_of(const DeviceInput& input) {
+    return std::visit([](const auto& primitives) { return primitives.count; }, input);
+}
+
+void check_queue(const Session& session, cl_command_queue queue) {
+    if (queue == nullptr) throw Error(ErrorCode::invalid_input, "the queue is null");
+    const cl::CommandQueue given(queue, true);
+    if (given.getInfo<CL_QUEUE_CONTEXT>()() != session.context()()) {
+        throw Error(ErrorCode::invalid_input, "the queue belongs to another OpenCL context than the kernels");
+    }
+    if (given.getInfo<CL_QUEUE_DEVICE>()() != session.info().id) {
+        throw Error(ErrorCode::invalid_input,
+                    "the queue is not one of the device that the kernels are for, " + session.info().name);
+    }
+}
+
+std::vector<cl::Event> copy_events(std::span<const cl_event> events) {
+    std::vector<cl::Event> copies;
+    for (cl_event event : events) {
+        if (event == nullptr) throw Error(ErrorCode::invalid_input, "the wait list has a null event");
+        copies.emplace_back(event, true);
+    }
+    return copies;
+}
+
+void check_device_options(std::string_view who, const BuildOptions& options) {
+    for (const auto& [name, is_given] : {std::pair{"max_leaf_size", options.max_leaf_size != 0},
+                                         std::pair{"presplit_level", options.presplit_level != 0},
+                                         std::pair{"split_quota", options.split_quota != 0.0f}}) {
+        if (!is_given) continue;
+        throw Error(ErrorCode::unsupported, std::string(name) + " asks for work of the host, which " +
+                                                std::string(who) + " leaves out; use Builder, or leave it alone");
+    }
+}
+
+}  // namespace clbvh::device

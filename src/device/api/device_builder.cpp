@@ -1,0 +1,183 @@
+#include "clbvh/device/device_builder.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "catalog/builder_rows.hpp"
+#include "catalog/optimizer_rows.hpp"
+#include "clbvh/core/error.hpp"
+#include "clbvh/core/mesh.hpp"
+#include "clbvh/presets.hpp"
+#include "device/api/caller_input.hpp"
+#include "device/api/caller_tree.hpp"
+#include "device/build/pipeline.hpp"
+
+namespace clbvh {
+namespace {
+
+using device::CallerMemory;
+
+/// A preset may ask for what its caller did not name.
+void check_preset(std::string_view id, const BuilderRow& row, const BuildOptions& given) {
+    const PresetInfo* const preset = find_preset(id);
+    if (preset == nullptr || preset->max_leaf_size == 0 || given.max_leaf_size != 0) return;
+    throw Error(ErrorCode::unsupported,
+                "the preset " + std::string(id) + " merges leaves, which is the host's work; DeviceBuilder takes " +
+                    std::string(row.info.id) + " with optimizers " + std::string(preset->optimizers));
+}
+
+/// The row of `id`, where it can build with these options on a device and with nothing else.
+const BuilderRow& device_row(std::string_view id, const BuildOptions& given) {
+    const BuilderRow& row = find_builder_row(id);
+    const BuildOptions options = with_preset(id, given);
+    check_options(options);
+    if (row.info.kind == BuilderKind::host) {
+        throw Error(ErrorCode::unsupported, std::string(id) + " runs on the host; DeviceBuilder takes device builders");
+    }
+    check_preset(id, row, given);
+    device::check_device_options("DeviceBuilder", options);
+    static_cast<void>(find_device_optimizers(options.optimizers));
+    return row;
+}
+
+}  // namespace
+
+struct DeviceBuilder::State {
+    State(std::string_view builder_id, Context chosen_context, const BuildOptions& chosen_options)
+        : options(with_preset(builder_id, chosen_options)),
+          row(device_row(builder_id, chosen_options)),
+          context(std::move(chosen_context)),
+          settings(device::prepare_pipeline(context.session(), *row.device_algorithm, options)),
+          optimizers(make_optimizer_chain(context.session(), options)),
+          alignment(device::view_alignment(context.session())) {}
+
+    [[nodiscard]] device::MemoryPlan plan(std::uint32_t primitives) const {
+        return device::plan_pipeline(*row.device_algorithm, settings, primitives);
+    }
+    [[nodiscard]] DeviceBuildSizes sizes(std::uint32_t primitives) const {
+        if (primitives == 0) return {};
+        const device::MemoryPlan planned = plan(primitives);
+        return {planned.nodes, planned.primitive_ids,
+                count_bytes() + std::max(planned.scratch_bytes(), optimizers.scratch_bytes(2 * primitives))};
+    }
+    /// At the beginning of the scratch: the number of leaves, for optimisers, whose scratch is the builder's again.
+    [[nodiscard]] std::uint64_t count_bytes() const {
+        return optimizers.empty() ? 0 : device::align_for_views(sizeof(cl_uint));
+    }
+    [[nodiscard]] device::Block behind_count(const device::Block& scratch) const {
+        return {scratch.buffer, scratch.offset + count_bytes()};
+    }
+    [[nodiscard]] bool fits(std::uint32_t primitives) const {
+        const DeviceBuildSizes needed = sizes(primitives);
+        return std::max({needed.nodes, needed.primitive_ids, needed.scratch}) <= context.device().max_allocation_bytes;
+    }
+    [[nodiscard]] std::uint32_t most_primitives() const;
+    device::CallerBuild check(const DeviceInput& input, const DeviceSpan& scratch, const DeviceResult& result) const;
+    void launch_optimizers(device::Launcher& launcher, const device::CallerBuild& build) const;
+
+    BuildOptions options;
+    const BuilderRow& row;
+    Context context;
+    device::BuildSettings settings;
+    device::OptimizerChain optimizers;
+    std::uint64_t alignment;
+};
+
+std::uint32_t DeviceBuilder::State::most_primitives() const {
+    std::uint32_t fitting = 0, beyond = static_cast<std::uint32_t>(kMaxPrimitives) + 1;
+    while (beyond - fitting > 1) {
+        const std::uint32_t middle = fitting + (beyond - fitting) / 2;
+        (fits(middle) ? fitting : beyond) = middle;
+    }
+    return fitting;
+}
+
+device::CallerBuild DeviceBuilder::State::check(const DeviceInput& input, const DeviceSpan& scratch,
+                                                const DeviceResult& result) const {
+    const device::Session& session = context.session();
+    const std::uint32_t count = device::count_of(input);
+    device::CallerBuild build;
+    const CallerMemory active_count = device::look_at_active_count(session, result.active_count);
+    build.active_count = {active_count.buffer, active_count.offset};
+    if (count == 0) return build;
+    const DeviceBuildSizes needed = sizes(count);
+    const device::CallerInput checked = device::check_input(session, input);
+    const CallerMemory nodes = device::look_at(session, "the nodes", result.nodes, needed.nodes);
+    const CallerMemory ids = device::look_at(session, "the primitive ids", result.primitive_ids, needed.primitive_ids);
+    const CallerMemory rest = device::look_at(session, "the scratch", scratch, needed.scratch);
+    for (const CallerMemory& memory : {nodes, ids, rest})
+        device::check_views_allowed(memory, alignment);
+    device::check_apart({nodes, ids, rest, checked.vertices, active_count});
+    device::check_apart({nodes, ids, rest, checked.indices, active_count});
+    for (const CallerMemory& memory : {checked.vertices, checked.indices})
+        device::check_not_cut(memory, {nodes, ids, rest});
+    build.mesh = checked.mesh;
+    build.plan = plan(count);
+    if (!optimizers.empty()) build.kept_count = rest.place;
+    build.memory = device::cut_scratch(nodes.place, ids.place, behind_count(rest.place), build.plan);
+    return build;
+}
+
+void DeviceBuilder::State::launch_optimizers(device::Launcher& launcher, const device::CallerBuild& build) const {
+    if (optimizers.empty() || build.mesh.primitive_count == 0) return;
+    const device::TreeNodes tree{device::view_of(build.memory.nodes, 0, build.plan.nodes),
+                                 2 * build.mesh.primitive_count,
+                                 {device::view_of(build.kept_count, 0, sizeof(cl_uint))}};
+    optimizers.launch(launcher, tree, behind_count(build.kept_count), 0.95);
+}
+
+DeviceBuilder::DeviceBuilder(std::string_view builder_id, Context context, const BuildOptions& options)
+    : state_(std::make_unique<State>(builder_id, std::move(context), options)) {}
+DeviceBuilder::DeviceBuilder(DeviceBuilder&&) noexcept = default;
+DeviceBuilder& DeviceBuilder::operator=(DeviceBuilder&&) noexcept = default;
+DeviceBuilder::~DeviceBuilder() = default;
+
+DeviceBuildSizes DeviceBuilder::sizes(std::uint64_t primitive_count) const {
+    if (primitive_count > kMaxPrimitives) {
+        throw Error(ErrorCode::unsupported, std::to_string(primitive_count) + " primitives are more than the " +
+                                                std::to_string(kMaxPrimitives) + " that a tree can hold");
+    }
+    const auto count = static_cast<std::uint32_t>(primitive_count);
+    if (!state_->fits(count)) {
+        const DeviceInfo& info = state_->context.device();
+        throw Error(ErrorCode::unsupported,
+                    std::to_string(count) + " primitives are too many for " + info.name + ", which allocates at most " +
+                        std::to_string(info.max_allocation_bytes) + " bytes at once: enough for " +
+                        std::to_string(state_->most_primitives()) + "; build in parts");
+    }
+    return state_->sizes(count);
+}
+
+std::uint64_t DeviceBuilder::alignment() const noexcept {
+    return state_->alignment;
+}
+
+void DeviceBuilder::enqueue(cl_command_queue queue, const DeviceInput& input, const DeviceSpan& scratch,
+                            const DeviceResult& result, std::span<const cl_event> wait_list, cl_event* event) {
+    const State& state = *state_;
+    device::with_opencl_errors("enqueuing a build", [&] {
+        device::Session& session = state.context.session();
+        device::check_queue(session, queue);
+        (void)sizes(device::count_of(input));
+        const device::CallerBuild build = state.check(input, scratch, result);
+        device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
+        device::enqueue_pipeline(launcher, *state.row.device_algorithm, state.settings, build);
+        state.launch_optimizers(launcher, build);
+        launcher.hand_over_end(event);
+    });
+}
+
+const BuilderInfo& DeviceBuilder::info() const noexcept {
+    return state_->row.info;
+}
+const BuildOptions& DeviceBuilder::options() const noexcept {
+    return state_->options;
+}
+const Context& DeviceBuilder::context() const noexcept {
+    return state_->context;
+}
+Shape DeviceBuilder::shape() const noexcept {
+    return state_->settings.shape;
+}
+
+}  // namespace clbvh

@@ -1,0 +1,59 @@
+#include "device/build/batch.hpp"
+
+#include <algorithm>
+
+namespace clbvh::device {
+namespace {
+
+std::string_view kernel_of(InputForm form) {
+    switch (form) {
+        case InputForm::indexed_16: return "batch_indexed_16";
+        case InputForm::triangles: return "batch_triangles";
+        case InputForm::boxes: return "batch_boxes";
+        default: return "batch_indexed_32";
+    }
+}
+
+}  // namespace
+
+BatchPlan plan_batch(std::uint64_t primitives, std::uint64_t trees) {
+    BatchPlan plan;
+    plan.nodes = 64 * primitives;
+    plan.primitive_ids = 4 * primitives;
+    plan.active_counts = 4 * trees;
+    plan.leaves = 24 * primitives + 8 * trees;
+    plan.inner = 32 * primitives;
+    plan.references = plan.other = 4 * primitives;
+    plan.bounds = 48 * trees;
+    return plan;
+}
+
+ProgramSpec batch_program(const BuildSettings& settings) {
+    return {"batch.cl", settings.lane() ? 1 : std::min(kLargestBatchGroup, settings.cluster_group_size),
+            settings.search_defines() + " -D MOST_CODE_BITS=" + std::to_string(settings.code_bits)};
+}
+
+void launch_batch(Launcher& launcher, const BuildSettings& settings, const BatchPlan& plan, const BatchJob& job) {
+    std::uint64_t end = 0;
+    const auto take = [&](std::uint64_t bytes) {
+        cl::Buffer view = view_of(job.scratch, end, bytes);
+        end += align_for_views(bytes);
+        return view;
+    };
+    const cl::Buffer leaves = take(plan.leaves);
+    const cl::Buffer inner = take(plan.inner);
+    const cl::Buffer references = take(plan.references);
+    const cl::Buffer other = take(plan.other);
+    const cl::Buffer bounds = take(plan.bounds);
+    const cl::Buffer& indices = job.mesh.triangles() != nullptr ? job.mesh.triangles : job.mesh.vertices;
+    launcher.launch(launcher.session().kernel(batch_program(settings), kernel_of(job.mesh.form)), job.tree_count,
+                    job.mesh.vertices, job.mesh.vertex_offset, job.mesh.vertex_stride, indices,
+                    job.mesh.triangle_offset, job.mesh.triangle_stride, job.ranges.buffer, job.ranges.offset,
+                    view_of(job.nodes, 0, plan.nodes), view_of(job.primitive_ids, 0, plan.primitive_ids),
+                    view_of(job.active_counts, 0, plan.active_counts), leaves, inner, references, other, bounds);
+    // At least: the input's corners and indices are read; boxes are written, read twice and written again as leaves;
+    // keys, references and ids are written; a merge reads two records and writes one and a sibling pair.
+    launcher.count_bytes((48 + 4 * 24 + 8 + 8 + 2 * 32 + 32 + 64) * std::uint64_t{job.mesh.primitive_count});
+}
+
+}  // namespace clbvh::device

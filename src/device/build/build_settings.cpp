@@ -1,0 +1,213 @@
+#include "device/build/build_settings.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <initializer_list>
+
+#include "clbvh/core/error.hpp"
+#include "device/build/build_buffers.hpp"
+
+namespace clbvh::device {
+namespace {
+
+constexpr std::size_t kGpuGroup = 1024;
+// A CPU runs the items of a group one after the other: a large group only makes the last few clusters of a range dear.
+constexpr std::size_t kCpuGroup = 256;
+constexpr std::size_t kStreamGroup = 256;
+constexpr std::uint32_t kLaneChunk = 512;
+// Groups a compute unit: on a CPU enough to even out their lengths, on a GPU enough to hide each other's latency.
+constexpr std::uint32_t kCpuGroupsPerUnit = 8;
+constexpr std::uint32_t kGpuGroupsPerUnit = 4;
+// A lane keeps a counter and an open cache line for each digit, so few long pieces beat many short ones.
+constexpr std::uint32_t kLaneSortPiecesPerUnit = 4;
+constexpr std::uint32_t kLeastLaneSortPiece = 8192;
+constexpr std::uint32_t kSortTile = 1024;  // TILE of radix_sort.cl
+constexpr std::uint32_t kDefaultCodeBits = 44;
+constexpr std::uint32_t kFastCodeBits = 33;  // one pass of the sort less
+constexpr std::uint32_t kSingleGroupThreshold = 8192;
+constexpr std::uint32_t kLeastRanges = 256;
+constexpr std::uint32_t kMostRanges = 512;
+
+// Local bytes of the kernels that search neighbours; see plocpp.cl.
+std::size_t group_local_bytes(std::size_t group_size, bool exact) {
+    return (10 + (exact ? 2 : 1)) * group_size * 4 + 8192;
+}
+
+std::size_t lane_local_bytes(std::size_t chunk, std::size_t radius) {
+    const std::size_t stride = chunk + 4 * radius + radius + 48;
+    return (9 + radius) * stride * 4 + 8 * chunk + 8192;
+}
+
+std::size_t group_size_that_fits(const DeviceInfo& info, bool exact) {
+    std::size_t size = std::min(kGpuGroup, std::bit_floor(info.max_work_group_size));
+    while (size > 32 && group_local_bytes(size, exact) > info.local_memory_bytes) {
+        size /= 2;
+    }
+    return size;
+}
+
+std::size_t stream_group_size(const DeviceInfo& info) {
+    return std::min(kStreamGroup, std::bit_floor(info.max_work_group_size));
+}
+
+void resolve_sort(BuildSettings& settings, const DeviceInfo& info) {
+    const bool lane = settings.sort_shape == Shape::lane;
+    settings.sort_group_size = lane ? 1 : stream_group_size(info);
+    settings.most_sort_pieces = lane ? std::min(info.compute_units * kLaneSortPiecesPerUnit, BuildBuffers::kMostPieces)
+                                     : settings.groups_to_fill;
+}
+
+std::size_t chosen_group_size(const BuildSettings& settings, const Profile& profile, const DeviceInfo& info,
+                              std::size_t largest) {
+    if (profile.work_group_size > 4 * settings.search_radius && profile.work_group_size <= largest) {
+        return profile.work_group_size;
+    }
+    return info.type == DeviceType::cpu ? std::min(kCpuGroup, largest) : largest;
+}
+
+void resolve_group_sizes(BuildSettings& settings, const BuildOptions& options, const Profile& profile,
+                         const DeviceInfo& info) {
+    const std::size_t largest = group_size_that_fits(info, settings.exact_distances);
+    settings.cluster_group_size =
+        options.work_group_size != 0 ? options.work_group_size : chosen_group_size(settings, profile, info, largest);
+    if (settings.cluster_group_size > largest) {
+        throw Error(ErrorCode::unsupported, "work_group_size " + std::to_string(settings.cluster_group_size) +
+                                                " is too large for " + info.name + ", which fits " +
+                                                std::to_string(largest));
+    }
+    if (settings.cluster_group_size <= std::size_t{4} * settings.search_radius) {
+        throw Error(ErrorCode::invalid_input,
+                    "work_group_size " + std::to_string(settings.cluster_group_size) +
+                        " leaves no chunk beside 4 * search_radius = " + std::to_string(4 * settings.search_radius));
+    }
+}
+
+std::uint32_t chosen_lane_chunk(const BuildSettings& settings, const Profile& profile, const DeviceInfo& info) {
+    const auto fits = [&](std::uint32_t chunk) {
+        return lane_local_bytes(chunk, settings.search_radius) <= info.local_memory_bytes;
+    };
+    if (profile.chunk_size != 0 && fits(profile.chunk_size)) return profile.chunk_size;
+    std::uint32_t chunk = kLaneChunk;
+    while (chunk > 64 && !fits(chunk))
+        chunk /= 2;
+    return chunk;
+}
+
+void resolve_lane_sizes(BuildSettings& settings, const BuildOptions& options, const Profile& profile,
+                        const DeviceInfo& info) {
+    settings.lane_chunk_size =
+        options.chunk_size != 0 ? options.chunk_size : chosen_lane_chunk(settings, profile, info);
+    if (lane_local_bytes(settings.lane_chunk_size, settings.search_radius) > info.local_memory_bytes) {
+        throw Error(ErrorCode::unsupported, "chunk_size " + std::to_string(settings.lane_chunk_size) +
+                                                " needs more local memory than the " +
+                                                std::to_string(info.local_memory_bytes) + " bytes of " + info.name);
+    }
+}
+
+HplocSettings resolve_hploc(const BuildOptions& options) {
+    constexpr std::uint32_t kMostToOneSide = 31;  // clusters of a node beside one
+    const bool fast = options.hploc_quality == HplocQuality::fast;
+    HplocSettings hploc;
+    hploc.cluster_limit = options.cluster_limit != 0 ? options.cluster_limit : 16;
+    hploc.small_range = options.small_range != 0 ? options.small_range : fast ? 256 : 1;
+    hploc.small_limit = options.small_limit != 0 ? options.small_limit : 8;
+    hploc.merge_pairs = options.merge_pairs != PairMerging::off;
+    hploc.window = options.hploc_search == HplocSearch::window ? std::min(options.search_radius, kMostToOneSide) : 0;
+    return hploc;
+}
+
+std::uint32_t first_not_zero(std::initializer_list<std::uint32_t> values) {
+    return *std::ranges::find_if(values, [](std::uint32_t value) { return value != 0; });
+}
+
+Shape definite_shape(Shape shape, Session& session) {
+    if (shape != Shape::automatic) {
+        return shape;
+    }
+    return session.prefers_lane_shape() ? Shape::lane : Shape::group;
+}
+
+}  // namespace
+
+std::string BuildSettings::search_defines() const {
+    return " -D SEARCH_RADIUS=" + std::to_string(search_radius) + " -D ENCODING=" + (exact_distances ? "64" : "32") +
+           " -D SYMMETRIC_SEARCH=" + (symmetric_search ? "1" : "0") +
+           (lane() ? " -D CHUNK=" + std::to_string(lane_chunk_size) : "");
+}
+
+std::string BuildSettings::hploc_defines() const {
+    return " -D CLUSTER_LIMIT=" + std::to_string(hploc.cluster_limit) +
+           " -D SMALL_RANGE=" + std::to_string(hploc.small_range) +
+           " -D SMALL_LIMIT=" + std::to_string(hploc.small_limit) +
+           " -D MERGE_PAIRS=" + (hploc.merge_pairs ? "1" : "0") + " -D HPLOC_WINDOW=" + std::to_string(hploc.window);
+}
+
+Pieces BuildSettings::stream_pieces(std::uint32_t elements) const {
+    return cut_into_pieces(elements, std::min(groups_to_fill * (lane() ? 1 : 4), BuildBuffers::kMostPieces),
+                           static_cast<std::uint32_t>(stream_group_size));
+}
+
+Pieces BuildSettings::sort_pieces(std::uint32_t elements) const {
+    return cut_into_pieces(elements, most_sort_pieces,
+                           sort_shape == Shape::lane ? std::clamp(elements, 1u, kLeastLaneSortPiece) : kSortTile);
+}
+
+KeyLayout BuildSettings::key_layout(std::uint32_t primitives) const {
+    const auto index_bits = static_cast<std::uint32_t>(std::bit_width(primitives - 1));
+    return {index_bits, std::min(code_bits, 64 - index_bits)};
+}
+
+Pieces cut_into_pieces(std::uint32_t elements, std::uint32_t most, std::uint32_t granularity) {
+    const std::uint64_t grains = (std::uint64_t{elements} + granularity - 1) / granularity;
+    const std::uint64_t grains_per_piece = std::max<std::uint64_t>(1, (grains + most - 1) / most);
+    const std::uint64_t count = std::max<std::uint64_t>(1, (grains + grains_per_piece - 1) / grains_per_piece);
+    return {static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(grains_per_piece * granularity)};
+}
+
+BuildSettings resolve_settings(const BuildOptions& options, Session& session, OptionsRead read) {
+    check_options(options);
+    const DeviceInfo& info = session.info();
+    const Profile profile = session.profile().profile.value_or(Profile{});
+    BuildSettings settings;
+    settings.shape = definite_shape(options.shape, session);
+    // The lane shape needs its self-test, whatever a profile says.
+    const bool sorts_in_groups = options.sort_shape == Shape::automatic && profile.sort_shape == Shape::group;
+    settings.sort_shape = sorts_in_groups ? Shape::group : definite_shape(options.sort_shape, session);
+    settings.search_radius = options.search_radius;
+    settings.morton_code = options.morton_code;
+    const bool shortens_codes = read.presets && options.hploc_quality == HplocQuality::fast;
+    settings.code_bits = first_not_zero({options.code_bits, shortens_codes ? kFastCodeBits : kDefaultCodeBits});
+    settings.exact_distances = options.neighbour_encoding == NeighbourEncoding::bits64;
+    settings.symmetric_search =
+        options.neighbour_search == NeighbourSearch::symmetric ||
+        (options.neighbour_search == NeighbourSearch::automatic && info.type != DeviceType::cpu);
+    if (!settings.lane() && settings.exact_distances && settings.symmetric_search && !info.int64_atomics) {
+        if (options.neighbour_search == NeighbourSearch::symmetric) {
+            throw Error(ErrorCode::unsupported,
+                        "neighbour_encoding bits64 with neighbour_search symmetric needs 64-bit atomics, which " +
+                            info.name + " lacks; use neighbour_search scan or neighbour_encoding bits32");
+        }
+        settings.symmetric_search = false;
+    }
+    settings.single_group_threshold =
+        first_not_zero({options.single_group_threshold, profile.single_group_threshold, kSingleGroupThreshold});
+    settings.hploc = resolve_hploc(options);
+    const std::uint32_t per_unit = info.type == DeviceType::cpu ? kCpuGroupsPerUnit : kGpuGroupsPerUnit;
+    settings.groups_to_fill = std::min(info.compute_units * per_unit, BuildBuffers::kMostPieces);
+    resolve_sort(settings, info);
+    settings.stream_group_size = settings.lane() ? 1 : stream_group_size(info);
+    if (!read.chunks) {
+        settings.cluster_group_size = settings.stream_group_size;
+    } else if (settings.lane()) {
+        resolve_lane_sizes(settings, options, profile, info);
+    } else {
+        resolve_group_sizes(settings, options, profile, info);
+    }
+    // Twice the groups that fill the device (section 5.1), and no fewer than keep a range in a CPU's second-level
+    // cache. The same for both shapes, so that both give the same tree.
+    const std::uint32_t chosen_ranges = std::max(kLeastRanges, 2 * settings.groups_to_fill);
+    settings.range_count = options.range_count != 0 ? options.range_count : std::min(kMostRanges, chosen_ranges);
+    return settings;
+}
+
+}  // namespace clbvh::device

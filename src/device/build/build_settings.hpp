@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "clbvh/core/build_options.hpp"
+#include "device/opencl/session.hpp"
+
+namespace clbvh::device {
+
+/// Work cut into equal contiguous pieces, one work group each.
+struct Pieces {
+    std::uint32_t count;   ///< at least 1
+    std::uint32_t length;  ///< elements a piece, a multiple of the granularity
+};
+
+/// A packed key: leading bits of the code above the bits of the primitive's index.
+struct KeyLayout {
+    std::uint32_t index_bits;
+    std::uint32_t code_bits;
+};
+
+/// What H-PLOC's options stand for.
+struct HplocSettings {
+    std::uint32_t cluster_limit = 16;
+    std::uint32_t small_range = 1;
+    std::uint32_t small_limit = 8;
+    bool merge_pairs = true;
+    std::uint32_t window = 0;  ///< clusters searched to each side; 0: all of the node
+};
+
+/// BuildOptions made definite for one device: every automatic choice taken, every size known.
+struct BuildSettings {
+    Shape shape = Shape::group;  ///< group or lane
+    std::uint32_t search_radius = 16;
+    MortonCode morton_code = MortonCode::xyz;
+    std::uint32_t code_bits = 44;  ///< leading bits of the code that are sorted, if that many fit beside the index
+    bool exact_distances = false;  ///< 64-bit neighbour encoding
+    bool symmetric_search = true;
+    std::uint32_t single_group_threshold = 0;
+    std::uint32_t range_count = 0;           ///< least number of Morton ranges of plocpp-two-level
+    std::size_t stream_group_size = 1;       ///< work items a group in kernels that pass over arrays
+    std::size_t cluster_group_size = 1;      ///< work items a group in kernels that search neighbours
+    std::uint32_t lane_chunk_size = 0;       ///< clusters a chunk in the lane shape
+    std::uint32_t groups_to_fill = 1;        ///< work groups that keep the whole device busy
+    Shape sort_shape = Shape::group;         ///< group or lane
+    std::size_t sort_group_size = 1;         ///< work items a group in the sort
+    std::uint32_t most_sort_pieces = 1;      ///< work groups of a pass of the sort
+    std::uint32_t iterations_in_flight = 8;  ///< most that are enqueued before their counts are read, 1 to 64
+    HplocSettings hploc;
+
+    /// Pieces of a pass over an array of `elements`.
+    [[nodiscard]] Pieces stream_pieces(std::uint32_t elements) const;
+    /// Pieces of a pass of the sort.
+    [[nodiscard]] Pieces sort_pieces(std::uint32_t elements) const;
+    /// Bits that a pass of the sort looks at; RADIX_BITS of radix_digits.clh.
+    [[nodiscard]] std::uint32_t sort_digit_bits() const noexcept { return sort_shape == Shape::lane ? 11 : 8; }
+    /// True where code and index are sorted as one 64-bit key, false for pairs of 32-bit keys with a value.
+    [[nodiscard]] bool packed_keys() const noexcept { return code_bits < 63; }
+    [[nodiscard]] KeyLayout key_layout(std::uint32_t primitives) const;
+    [[nodiscard]] bool lane() const noexcept { return shape == Shape::lane; }
+    /// Clusters a chunk where `border` more are loaded to each side.
+    [[nodiscard]] std::uint32_t chunk_size(std::uint32_t border) const noexcept {
+        return lane() ? lane_chunk_size : static_cast<std::uint32_t>(cluster_group_size) - 2 * border;
+    }
+    /// -D options for kernels that search neighbours.
+    [[nodiscard]] std::string search_defines() const;
+    /// -D options for the kernels of hploc.cl.
+    [[nodiscard]] std::string hploc_defines() const;
+};
+
+/// Cuts `elements` into at most `most` pieces whose length is a multiple of `granularity`.
+[[nodiscard]] Pieces cut_into_pieces(std::uint32_t elements, std::uint32_t most, std::uint32_t granularity);
+
+/// Which of the options that not every builder reads one builder reads.
+struct OptionsRead {
+    bool chunks = true;    ///< work_group_size and chunk_size, which have to fit the search radius and local memory
+    bool presets = false;  ///< hploc_quality, which says what code_bits 0 stands for
+};
+
+/// Takes every automatic choice for `session`'s device. Throws Error(invalid_input) where options contradict each
+/// other, and Error(unsupported) where the device cannot do what they ask; options that are not read are not checked.
+[[nodiscard]] BuildSettings resolve_settings(const BuildOptions& options, Session& session, OptionsRead read = {});
+
+}  // namespace clbvh::device

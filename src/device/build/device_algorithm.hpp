@@ -1,0 +1,51 @@
+#pragma once
+
+#include "device/build/build_buffers.hpp"
+#include "device/opencl/launcher.hpp"
+
+namespace clbvh::device {
+
+/// What a clustering finds, and what it leaves: buffers.leaf_count says how many leaves there are,
+/// buffers.primitive_ids and buffers.codes name them in Morton order, and their boxes are in buffers.leaves (in that
+/// order) or buffers.boxes (by primitive), as DeviceAlgorithm::box_order asks. Afterwards buffers.nodes holds every
+/// sibling pair, and buffers.root_reference the root.
+struct ClusterJob {
+    Launcher& launcher;
+    const BuildSettings& settings;
+    const BuildBuffers& buffers;
+    std::uint32_t leaf_count;  ///< what buffers.leaf_count holds, at least 1; launches are sized by it
+    /// The host must not wait for the device where that can be helped, and leaf_count is an upper bound: what
+    /// buffers.leaf_count holds may be less, and 0.
+    bool asynchronous = false;
+};
+
+/// What makes one device builder different from the next.
+struct DeviceAlgorithm {
+    void (*cluster)(const ClusterJob& job);
+    /// Device memory beside what every build uses.
+    std::uint64_t (*extra_bytes)(const BuildSettings& settings, std::uint32_t primitives);
+    OptionsRead options_read;
+    BoxOrder box_order = BoxOrder::morton;
+    /// The program of its kernels, beside those of the stages.
+    ProgramSpec (*program)(const BuildSettings& settings);
+};
+
+extern const DeviceAlgorithm kPloc;
+extern const DeviceAlgorithm kPlocpp;
+extern const DeviceAlgorithm kPlocppTwoLevel;
+extern const DeviceAlgorithm kHploc;
+extern const DeviceAlgorithm kLbvh;
+
+/// Bytes that a round of clustering has to move: every cluster's reference and record are read, `array_bytes` more pass
+/// through arrays of its own; a merge writes a record and a sibling pair.
+[[nodiscard]] constexpr std::uint64_t round_bytes(std::uint64_t clusters, std::uint64_t merges,
+                                                  std::uint64_t array_bytes) {
+    return (4 + 32 + array_bytes) * clusters + (32 + 64) * merges;
+}
+
+/// The part of a build that is done when `clusters` of `leaf_count` are left.
+[[nodiscard]] constexpr double cluster_fraction(std::uint32_t clusters, std::uint32_t leaf_count) {
+    return 0.3 + 0.65 * (1.0 - static_cast<double>(clusters) / leaf_count);
+}
+
+}  // namespace clbvh::device

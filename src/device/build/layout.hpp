@@ -1,0 +1,14 @@
+#pragma once
+
+#include "device/build/build_buffers.hpp"
+#include "device/opencl/launcher.hpp"
+
+namespace clbvh::device {
+
+/// The kernels of this stage.
+[[nodiscard]] ProgramSpec layout_program(const BuildSettings& settings);
+
+/// The root into buffers.nodes, whose sibling pairs stand already. One launch.
+void launch_layout(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers, BoxOrder box_order);
+
+}  // namespace clbvh::device

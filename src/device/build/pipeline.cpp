@@ -1,0 +1,109 @@
+#include "device/build/pipeline.hpp"
+
+#include <span>
+#include <vector>
+
+#include "device/build/bounds.hpp"
+#include "device/build/layout.hpp"
+#include "device/build/leaves.hpp"
+#include "device/build/morton.hpp"
+#include "device/build/radix_sort.hpp"
+#include "device/opencl/lane_self_test.hpp"
+
+namespace clbvh::device {
+namespace {
+
+void prepare_programs(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings) {
+    std::vector<ProgramSpec> stages{bounds_program(settings), morton_program(settings), radix_sort_program(settings),
+                                    layout_program(settings)};
+    // Where the stages' files are one program, it is the same for all builders: drivers that cache it know its text.
+    if (session.joins_programs() || algorithm.box_order == BoxOrder::morton) {
+        stages.push_back(leaves_program(settings));
+    }
+    if (session.joins_programs() && (settings.lane() || settings.sort_shape == Shape::lane)) {
+        stages.push_back(lane_self_test_program());
+    }
+    const ProgramSpec own = algorithm.program(settings);
+    session.prepare({stages, std::span(&own, 1)});
+}
+
+void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
+                   const DeviceMesh& mesh, const BuildBuffers& buffers, bool asynchronous) {
+    launcher.begin_stage("bounds", 0.0);
+    launch_bounds(launcher, settings, buffers, mesh);
+    launcher.begin_stage("morton", 0.05);
+    launch_morton(launcher, settings, buffers, mesh.primitive_count);
+    launcher.begin_stage("sort", 0.1);
+    launch_radix_sort(launcher, settings, buffers, mesh.primitive_count);
+    launcher.begin_stage("cluster", 0.3);
+    if (algorithm.box_order == BoxOrder::morton) {
+        launch_leaves(launcher, settings, buffers, mesh.active_count);
+    }
+    with_opencl_errors("clustering", [&] {
+        algorithm.cluster({launcher, settings, buffers, mesh.active_count, asynchronous});
+    });
+    launcher.begin_stage("layout", 0.95);
+    launch_layout(launcher, settings, buffers, algorithm.box_order);
+}
+
+}  // namespace
+
+BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildOptions& options) {
+    if (session.joins_programs() && session.may_prefer_lane_shape()) {
+        // The kernel that tests the lane shape is built with those that are wanted if it passes.
+        BuildOptions lane = options;
+        for (Shape* const shape : {&lane.shape, &lane.sort_shape}) {
+            if (*shape == Shape::automatic) *shape = Shape::lane;
+        }
+        prepare_programs(session, algorithm, resolve_settings(lane, session, algorithm.options_read));
+    }
+    const BuildSettings settings = resolve_settings(options, session, algorithm.options_read);
+    prepare_programs(session, algorithm, settings);
+    return settings;
+}
+
+MemoryPlan plan_pipeline(const DeviceAlgorithm& algorithm, const BuildSettings& settings, std::uint32_t primitives) {
+    return plan_memory(settings, algorithm.box_order, primitives, algorithm.extra_bytes(settings, primitives));
+}
+
+void enqueue_pipeline(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
+                      const CallerBuild& build) {
+    if (build.mesh.primitive_count == 0) {
+        if (build.active_count.buffer() != nullptr)
+            launcher.clear_uints(build.active_count.buffer, build.active_count.offset, 1);
+        return;
+    }
+    const BuildBuffers buffers = cut_views(build.memory, build.plan);
+    launch_stages(launcher, algorithm, settings, build.mesh, buffers, true);
+    for (const Block& count : {build.active_count, build.kept_count}) {
+        if (count.buffer() != nullptr) launcher.copy_uint(buffers.leaf_count, 0, count.buffer, count.offset);
+    }
+}
+
+BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
+                        const ProgressCallback& progress, const DeviceMesh& mesh, OwnMemory& memory, PipelineEnd& end) {
+    const MemoryPlan plan = plan_pipeline(algorithm, settings, mesh.primitive_count);
+    const std::uint64_t scratch_bytes = end.optimizers.scratch_bytes(2 * mesh.active_count);
+    Block scratch;
+    if (mesh.active_count > 0) {
+        memory.reserve(session, plan);
+        with_opencl_errors("memory for optimizing", [&] {
+            if (scratch_bytes > 0) scratch.buffer = end.scratch.reserve(session, scratch_bytes);
+        });
+    }
+    Launcher launcher(session, progress);
+    if (mesh.active_count > 0) {
+        const BuildBuffers& buffers = memory.buffers();
+        launch_stages(launcher, algorithm, settings, mesh, buffers, false);
+        with_opencl_errors("optimizing", [&] {
+            const TreeNodes tree{buffers.nodes, 2 * mesh.active_count, {buffers.leaf_count}};
+            end.optimizers.launch(launcher, tree, scratch, 0.95);
+        });
+    }
+    BuildStats stats = launcher.finish();
+    stats.peak_device_bytes = mesh.active_count > 0 ? plan.bytes() + scratch_bytes : 0;
+    stats.inactive_primitives = mesh.primitive_count - mesh.active_count;
+    return stats;
+}
+
+}  // namespace clbvh::device

@@ -1,0 +1,87 @@
+#include "device/trace/host_scene.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "clbvh/core/error.hpp"
+
+namespace clbvh::device {
+namespace {
+
+void check_fits(const Session& session, const char* what, std::uint64_t count, std::uint64_t each) {
+    const std::uint64_t most = session.info().max_allocation_bytes;
+    if (count * each <= most) return;
+    throw Error(ErrorCode::unsupported, std::to_string(count) + " " + what + " are too many for " +
+                                            session.info().name + ", which allocates at most " + std::to_string(most) +
+                                            " bytes at once: enough for " + std::to_string(most / each) +
+                                            "; trace in parts");
+}
+
+template <typename T>
+cl::Buffer upload(Session& session, std::span<const T> values) {
+    cl::Buffer buffer = allocate_buffer(session, values.size_bytes());
+    session.queue().enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size_bytes(), values.data());
+    return buffer;
+}
+
+template <typename T>
+std::span<const T> as_span(const std::vector<T>& values) {
+    return values;
+}
+
+}  // namespace
+
+HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh) {
+    if (bvh.empty()) return;
+    check_fits(session, "nodes", bvh.nodes.size(), sizeof(Node));
+    check_fits(session, "references", bvh.primitive_ids.size(), plan_copy(settings, 1000).bytes() / 1000 + 1);
+    check_fits(session, "vertices", mesh.vertices.size(), sizeof(Vec3));
+    check_fits(session, "triangles", mesh.triangles.size(), sizeof(Triangle));
+    with_opencl_errors("copying a scene to the device", [&] {
+        scene_.node_count = static_cast<std::uint32_t>(bvh.nodes.size());
+        scene_.nodes = {upload(session, as_span(bvh.nodes))};
+        copy_triangles(session, settings, bvh, mesh);
+    });
+}
+
+void HostScene::copy_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh) {
+    scene_.reference_count = static_cast<std::uint32_t>(bvh.primitive_ids.size());
+    TraceScene from_mesh = scene_;
+    from_mesh.primitive_ids = {upload(session, as_span(bvh.primitive_ids))};
+    from_mesh.mesh.primitive_count = static_cast<std::uint32_t>(mesh.triangles.size());
+    from_mesh.mesh.vertices = upload(session, as_span(mesh.vertices));
+    from_mesh.mesh.triangles = upload(session, as_span(mesh.triangles));
+    from_mesh.mesh.vertex_stride = sizeof(Vec3);
+    from_mesh.mesh.triangle_stride = sizeof(Triangle);
+    scene_.copy = {allocate_buffer(session, plan_copy(settings, scene_.reference_count).bytes())};
+    Launcher launcher(session, session.queue(), {});
+    launch_copy(launcher, settings, from_mesh, scene_.copy);
+    session.queue().finish();
+}
+
+void HostScene::trace(Session& session, const TraceSettings& settings, std::span<const Ray> rays, bool any,
+                      std::span<std::byte> results, std::span<RayCounts> counts) {
+    const std::size_t result_bytes = any ? 1 : sizeof(Hit);
+    for (std::size_t begin = 0; begin < rays.size(); begin += kMostRays) {
+        const std::size_t count = std::min(kMostRays, rays.size() - begin);
+        const cl::CommandQueue& queue = session.queue();
+        TraceRays part;
+        part.count = static_cast<std::uint32_t>(count);
+        part.any = any;
+        part.rays = {rays_.reserve(session, count * sizeof(Ray))};
+        part.results = {results_.reserve(session, count * result_bytes)};
+        part.scratch = {scratch_.reserve(session, plan_trace(scene_.node_count).scratch_bytes())};
+        if (!counts.empty()) part.counts = {counts_.reserve(session, count * sizeof(RayCounts))};
+        queue.enqueueWriteBuffer(part.rays.buffer, CL_TRUE, 0, count * sizeof(Ray), rays.data() + begin);
+        Launcher launcher(session, queue, {});
+        launch_trace(launcher, settings, scene_, part);
+        queue.finish();
+        queue.enqueueReadBuffer(part.results.buffer, CL_TRUE, 0, count * result_bytes,
+                                results.data() + begin * result_bytes);
+        if (!counts.empty()) {
+            queue.enqueueReadBuffer(part.counts.buffer, CL_TRUE, 0, count * sizeof(RayCounts), counts.data() + begin);
+        }
+    }
+}
+
+}  // namespace clbvh::device

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "device/build/build_buffers.hpp"
+#include "device/opencl/launcher.hpp"
+#include "device/tree/parents.hpp"
+
+namespace clbvh::device {
+
+/// DeviceOptimizerOptions with everything chosen for one device.
+struct OptimizeSettings {
+    Shape shape = Shape::group;         ///< group or lane
+    std::uint32_t passes = 0;           ///< most of each optimiser; 0: its own limit
+    std::uint32_t treelet_leaves = 7;   ///< of `treelet`
+    std::size_t stream_group_size = 1;  ///< work items a group in kernels that pass over nodes; 1 in the lane shape
+    std::uint32_t groups_to_fill = 1;   ///< work groups that keep the whole device busy
+
+    [[nodiscard]] bool lane() const noexcept { return shape == Shape::lane; }
+};
+
+/// A tree to be improved in place.
+struct OptimizeJob {
+    Launcher& launcher;  ///< Its stage has begun.
+    const OptimizeSettings& settings;
+    TreeNodes tree;  ///< At least 6 nodes, an even number. Where there are no leaves node 0 is no node.
+    Block scratch;   ///< What the row asked for, aligned for views.
+};
+
+/// What makes one device optimiser different from the next. None waits for the device.
+struct DeviceOptimizerRow {
+    std::vector<ProgramSpec> (*programs)(const OptimizeSettings& settings);
+    /// Local memory of a work group in the lane shape; that of the group shape fits any device.
+    std::uint64_t (*lane_local_bytes)(const OptimizeSettings& settings);
+    std::uint64_t (*scratch_bytes)(const OptimizeSettings& settings, std::uint32_t node_count);
+    void (*launch)(const OptimizeJob& job);
+};
+
+extern const DeviceOptimizerRow kReinsert;
+extern const DeviceOptimizerRow kTreelet;
+
+}  // namespace clbvh::device

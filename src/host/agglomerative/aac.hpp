@@ -1,0 +1,24 @@
+#pragma once
+
+#include "clbvh/host/aac.hpp"
+#include "host/agglomerative/aac_clustering.hpp"
+#include "host/build/host_build.hpp"
+
+namespace clbvh::host {
+
+/// `config` is in range.
+void build_aac(HostBuild& build, const AacConfig& config);
+
+namespace aac {
+
+/// What the paper fixes and tests vary.
+struct Variant {
+    Reduction reduction;
+    InstructionSet instruction_set = best_instruction_set();
+};
+
+/// As build_aac, with all choices open.
+void build(HostBuild& build, const AacConfig& config, const Variant& variant);
+
+}  // namespace aac
+}  // namespace clbvh::host

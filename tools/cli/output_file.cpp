@@ -1,0 +1,67 @@
+#include "cli/output_file.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <clbvh/core/error.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <system_error>
+
+namespace clbvh::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
+
+[[noreturn]] void fail(const fs::path& path, int reason) {
+    throw Error(ErrorCode::io,
+                fmt::format("cannot write '{}': {}", path.string(), std::generic_category().message(reason)));
+}
+
+fs::path temporary_name(const fs::path& path) {
+    fs::path temporary = path;
+    temporary += fmt::format(".tmp-{}", getpid());
+    return temporary;
+}
+
+File open_for_writing(const fs::path& temporary, const fs::path& path) {
+    File file(std::fopen(temporary.c_str(), "wb"));
+    if (!file) fail(path, errno);
+    return file;
+}
+
+}  // namespace
+
+void require_writable(const fs::path& path) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path, ignored);
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+        throw Error(ErrorCode::io,
+                    fmt::format("cannot write '{}': it exists and is not a regular file", path.string()));
+    }
+    const fs::path temporary = temporary_name(path);
+    open_for_writing(temporary, path);
+    fs::remove(temporary, ignored);
+}
+
+void write_file(const fs::path& path, std::string_view text) {
+    const fs::path temporary = temporary_name(path);
+    File file = open_for_writing(temporary, path);
+    bool written = std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
+    written = std::fclose(file.release()) == 0 && written;
+    if (!written || std::rename(temporary.c_str(), path.c_str()) != 0) {
+        const int reason = errno;
+        std::error_code ignored;
+        fs::remove(temporary, ignored);
+        fail(path, reason);
+    }
+}
+
+}  // namespace clbvh::tool

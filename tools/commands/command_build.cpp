@@ -1,0 +1,119 @@
+#include <fmt/core.h>
+
+#include <clbvh/builder.hpp>
+#include <clbvh/io/bvh_file.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "cli/build_arguments.hpp"
+#include "cli/builder_choice.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/json_output.hpp"
+#include "cli/open_builder.hpp"
+#include "cli/output_file.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/scene_arguments.hpp"
+#include "cli/stopwatch.hpp"
+#include "commands/command.hpp"
+#include "measure/build_result.hpp"
+#include "report/build_report.hpp"
+#include "report/result_json.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+struct Arguments {
+    std::string scene;
+    SceneArguments loading;
+    std::string builder = "plocpp";
+    BuildArguments build;
+    bool validate = false;
+    std::string output;
+    JsonOutput json;
+};
+
+constexpr const char* kWayOut = "--builder binned-sah (a host builder; see clbvh builders) needs no device";
+
+/// What needs no mesh is checked first: loading one may take long.
+void check_arguments(const Arguments& arguments) {
+    arguments.build.check();
+    static_cast<void>(require_builder(arguments.builder));
+    arguments.json.require_writable();
+    if (!arguments.output.empty()) require_writable(arguments.output);
+}
+
+/// Builds twice: some drivers compile a kernel only when it is first launched, and times are without compilation.
+Bvh build_twice(const Arguments& arguments, const std::optional<Context>& context, const Mesh& mesh,
+                BuildResult& result) {
+    constexpr double kRuns = 2.0;
+    ProgressBar bar;
+    double finished_runs = 0.0;
+    BuildOptions options = arguments.build.options;
+    options.progress = [&](const Progress& progress) {
+        bar.show((finished_runs + progress.fraction) / kRuns, progress.stage);
+        return !interrupted();
+    };
+    const Stopwatch first_build;
+    Builder builder = open_builder(arguments.builder, context, options);
+    builder.upload(mesh);
+    builder.run();
+    const double first_build_ms = first_build.milliseconds();
+    finished_runs = 1.0;
+    const BuildStats stats = builder.run();
+    describe_builder(result, builder);
+    summarize_runs(result, std::span(&stats, 1));
+    result.scene = arguments.scene;
+    result.first_build_ms = first_build_ms;
+    return builder.download();
+}
+
+int build(const Arguments& arguments) {
+    check_arguments(arguments);
+    const std::optional<Context> context = choose_builders(arguments.builder, arguments.build.device, kWayOut).context;
+    const Stopwatch load;
+    const Mesh mesh = arguments.loading.load(arguments.scene);
+    const double load_ms = load.milliseconds();
+    throw_if_interrupted();
+
+    BuildResult result;
+    const Bvh bvh = build_twice(arguments, context, mesh, result);
+    describe_tree(result, bvh, mesh, arguments.validate);
+    throw_if_interrupted();
+    const std::string output = result.valid.value_or(true) ? arguments.output : "";
+    if (!output.empty()) write_bvh(bvh, output);
+    if (arguments.json.leaves_standard_output())
+        fmt::print("{}", build_report(context, arguments.loading, result, load_ms, output));
+    const std::span<const BuildResult> results(&result, 1);
+    arguments.json.write(to_json(context, arguments.loading, arguments.build.options, results));
+    return report_invalid_trees(results);
+}
+
+std::string require_file_name(const std::string& value) {
+    return value.empty() || value == "-" ? "-o needs a file" : "";
+}
+
+}  // namespace
+
+Command add_build_command(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("build", "Build a tree over one scene");
+    command->footer(
+        "Builds twice and reports the second time: the first build warms up, since drivers compile kernels at their "
+        "first\nlaunch, and memory is slower when it is first touched.");
+    auto arguments = std::make_shared<Arguments>();
+    command->add_option("scene", arguments->scene, kSceneHelp)->type_name("SCENE")->required();
+    command->add_option("--builder", arguments->builder, "A builder or a preset; see clbvh builders")
+        ->type_name("ID")
+        ->capture_default_str();
+    arguments->loading.add_options(*command);
+    arguments->build.add_options(*command);
+    command->add_option("-o,--output", arguments->output, "Write the tree to this file")
+        ->type_name("FILE")
+        ->check(require_file_name);
+    command->add_flag("--validate", arguments->validate, "Prove the tree right; exit code 3 where it is not");
+    arguments->json.add_option(*command);
+    return {command, [arguments] { return build(*arguments); }};
+}
+
+}  // namespace clbvh::tool

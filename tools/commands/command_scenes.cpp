@@ -1,0 +1,41 @@
+#include <fmt/core.h>
+
+#include <clbvh/io/scene.hpp>
+#include <memory>
+#include <string>
+
+#include "cli/exit_code.hpp"
+#include "cli/json_output.hpp"
+#include "commands/command.hpp"
+#include "report/table.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+int list(const JsonOutput& json) {
+    json.require_writable();
+    Table table({"scene", "description"}, Table::Align::left);
+    nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+    for (const SceneGeneratorInfo& generator : scene_generators()) {
+        table.add_row({fmt::format("gen:{}", generator.name), std::string(generator.description)});
+        entries.push_back({{"name", generator.name}, {"description", generator.description}});
+    }
+    if (json.leaves_standard_output()) {
+        fmt::print(
+            "{}\nWritten gen:NAME[:COUNT[:SEED]]; COUNT is {} unless told. A path to a mesh file is a scene too.\n",
+            table.text(), kDefaultSceneTriangles);
+    }
+    json.write({{"scenes", entries}, {"default_triangles", kDefaultSceneTriangles}});
+    return kExitSuccess;
+}
+
+}  // namespace
+
+Command add_scenes_command(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("scenes", "List the generated scenes");
+    auto json = std::make_shared<JsonOutput>();
+    json->add_option(*command);
+    return {command, [json] { return list(*json); }};
+}
+
+}  // namespace clbvh::tool

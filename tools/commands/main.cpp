@@ -1,0 +1,78 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string_view>
+#include <system_error>
+
+#include "cli/exit_code.hpp"
+#include "cli/interrupt.hpp"
+#include "commands/command.hpp"
+
+namespace clbvh::tool {
+namespace {
+
+int run(const Command& command) {
+    try {
+        return command.run();
+    } catch (const std::exception& error) {
+        // A Ctrl-C also reaches the compiler that a driver may have started, whose failure then looks like any other.
+        if (interrupted()) {
+            fmt::print(stderr, "clbvh: cancelled\n");
+            return kExitCancelled;
+        }
+        fmt::print(stderr, "clbvh: error: {}\n", error.what());
+        return kExitFailure;
+    }
+}
+
+int usage_error(std::string_view message) {
+    fmt::print(stderr, "clbvh: error: {}\nRun clbvh --help, or --help after a command.\n", message);
+    return kExitUsage;
+}
+
+int parse_and_run(int argc, char** argv) {
+    CLI::App app{"Builds bounding volume hierarchies for ray tracing with OpenCL, on GPUs and CPUs.", "clbvh"};
+    app.set_version_flag("--version", "clbvh " CLBVH_VERSION);
+    app.require_subcommand(0, 1);
+    const std::array commands{add_devices_command(app), add_builders_command(app), add_scenes_command(app),
+                              add_build_command(app),   add_bench_command(app),    add_tune_command(app),
+                              add_trace_command(app),   add_render_command(app),   add_metrics_command(app),
+                              add_table_command(app)};
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& help_or_version) {
+        return app.exit(help_or_version);
+    } catch (const CLI::ParseError& error) {
+        return usage_error(error.what());
+    }
+    for (const Command& command : commands) {
+        if (command.arguments->parsed()) return run(command);
+    }
+    return usage_error("a command is missing");
+}
+
+/// What was printed may still be in a buffer, and a full disk says so only now.
+int finish_standard_output(int code) {
+    const bool flushed = std::fflush(stdout) == 0;
+    const int reason = errno;
+    // Where the command failed, it has said why.
+    if ((flushed && std::ferror(stdout) == 0) || code == kExitFailure) return code;
+    fmt::print(stderr, "clbvh: error: cannot write standard output{}{}\n", flushed ? "" : ": ",
+               flushed ? "" : std::generic_category().message(reason));
+    return code == kExitSuccess ? kExitFailure : code;
+}
+
+}  // namespace
+}  // namespace clbvh::tool
+
+int main(int argc, char** argv) {
+    // PoCL pins its threads only where this is set before the first OpenCL call; else short kernels often share a core.
+    setenv("POCL_AFFINITY", "1", 0);
+    clbvh::tool::catch_interrupts();
+    return clbvh::tool::finish_standard_output(clbvh::tool::parse_and_run(argc, argv));
+}

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <clbvh/eval/cost_fit.hpp>
+#include <clbvh/metrics/tree_shape.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "measure/sample.hpp"
+#include "report/trace_result.hpp"
+
+namespace clbvh::tool {
+
+/// What is known of the tree of one builder, and what its rays cost.
+struct MetricsResult {
+    TraceResult trace;
+    TreeShape shape;
+    double epo = 0.0;
+    std::optional<double> epo_error;  ///< Standard error; absent where EPO is exact.
+    double epo_ms = 0.0;              ///< What it took to compute, by the wall clock.
+    Sample binary_trace_ms;           ///< Of the same rays through the tree's own nodes, counting what they visit.
+
+    [[nodiscard]] double binary_ns_per_ray() const;
+    /// With the measurement `ns_per_ray`.
+    [[nodiscard]] TreeCost cost(double ns_per_ray) const;
+};
+
+/// The fields of `trace`, and those of the tree.
+[[nodiscard]] nlohmann::ordered_json to_json(const MetricsResult& result);
+
+/// The table of one scene.
+[[nodiscard]] std::string metrics_report(std::span<const MetricsResult> results);
+
+}  // namespace clbvh::tool

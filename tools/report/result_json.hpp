@@ -1,0 +1,26 @@
+#pragma once
+
+#include <clbvh/device/context.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+
+#include "cli/scene_arguments.hpp"
+#include "measure/build_result.hpp"
+
+namespace clbvh::tool {
+
+[[nodiscard]] nlohmann::ordered_json to_json(const DeviceInfo& device);
+
+/// The document of a command that builds: the machine, the device, null where none was opened, the file of its profile,
+/// null where none is used, how scenes were turned, the options under the names of BuildOptions, and the array
+/// `results`.
+[[nodiscard]] nlohmann::ordered_json document_json(const std::optional<Context>& context, const SceneArguments& loading,
+                                                   const BuildOptions& options, nlohmann::ordered_json results);
+
+/// The document of `build` and `bench`, with one entry per result, each with the options in use where a preset or an
+/// optimizer may have set others than those of the document.
+[[nodiscard]] nlohmann::ordered_json to_json(const std::optional<Context>& context, const SceneArguments& loading,
+                                             const BuildOptions& options, std::span<const BuildResult> results);
+
+}  // namespace clbvh::tool

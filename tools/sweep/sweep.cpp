@@ -1,0 +1,127 @@
+#include "sweep/sweep.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <clbvh/core/error.hpp>
+#include <clbvh/io/scene.hpp>
+#include <cmath>
+#include <iterator>
+
+namespace clbvh::tool {
+namespace {
+
+constexpr std::uint32_t kSmallestSize = 10000;
+constexpr std::string_view kGenerated = "gen:";
+
+const std::vector<Sweep>& sweeps() {
+    static const std::vector<Sweep> list{
+        {"radius",
+         "--radius",
+         reads_search_radius,
+         [](BuildOptions& options, std::uint32_t value) { options.search_radius = value; },
+         {1, 2, 4, 8, 12, 16, 24, 32}},
+        {"size",
+         "",
+         [](const BuilderInfo&, const BuildOptions&) { return true; },
+         [](BuildOptions&, std::uint32_t) {},
+         {}},
+        {"chunk",
+         "--chunk",
+         [](const BuilderInfo& builder, const BuildOptions&) { return builder.uses_chunk_size; },
+         [](BuildOptions& options, std::uint32_t value) { options.chunk_size = value; },
+         {64, 128, 256, 512, 1024, 2048, 4096}},
+        {"threshold",
+         "--threshold",
+         [](const BuilderInfo& builder, const BuildOptions&) { return builder.uses_single_group_threshold; },
+         [](BuildOptions& options, std::uint32_t value) { options.single_group_threshold = value; },
+         {256, 512, 1024, 2048, 4096, 8192, 16384, 32768, 65536}},
+    };
+    return list;
+}
+
+std::string readers_text(const Sweep& sweep, const BuildOptions& options) {
+    std::vector<std::string_view> ids;
+    for (const BuilderInfo& builder : builders()) {
+        if (sweep.reads(builder, options)) ids.push_back(builder.id);
+    }
+    return fmt::format("{}", fmt::join(ids, ", "));
+}
+
+/// What follows "gen:", field by field: the name, the count, the seed.
+std::vector<std::string> fields_of(const std::string& scene) {
+    std::vector<std::string> fields;
+    for (std::size_t begin = kGenerated.size(); begin <= scene.size();) {
+        const std::size_t end = std::min(scene.find(':', begin), scene.size());
+        fields.push_back(scene.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return fields;
+}
+
+std::uint32_t count_of(const std::string& scene) {
+    const std::vector<std::string> fields = fields_of(scene);
+    return static_cast<std::uint32_t>(fields.size() > 1 ? std::stoul(fields[1]) : kDefaultSceneTriangles);
+}
+
+}  // namespace
+
+const std::vector<std::string>& sweep_names() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> list;
+        std::ranges::transform(sweeps(), std::back_inserter(list), [](const Sweep& s) { return std::string(s.what); });
+        return list;
+    }();
+    return names;
+}
+
+const Sweep& find_sweep(std::string_view name) {
+    return *std::ranges::find(sweeps(), name, &Sweep::what);
+}
+
+void keep_readers(const Sweep& sweep, const BuildOptions& options, BuilderChoice& choice) {
+    const auto fail = [&](const std::string& why) {
+        throw Error(ErrorCode::invalid_input,
+                    fmt::format("--sweep {}: {}; those that do: {}", sweep.what, why, readers_text(sweep, options)));
+    };
+    for (const std::string& id : choice.named_ids) {
+        if (!sweep.reads(find_builder(id), options)) fail(fmt::format("{} does not read {}", id, sweep.option));
+    }
+    std::erase_if(choice.ids, [&](const std::string& id) { return !sweep.reads(find_builder(id), options); });
+    if (!choice.ids.empty()) return;
+    fail(fmt::format("no builder that can run here reads {}{}{}", sweep.option, choice.reason.empty() ? "" : ": ",
+                     choice.reason));
+}
+
+std::vector<std::uint32_t> sweep_sizes(std::uint32_t largest) {
+    const auto size = [](int step) { return kSmallestSize * std::pow(10.0, 0.5 * step); };
+    std::vector<std::uint32_t> sizes;
+    // A size just below the largest would tell nothing.
+    for (int step = 0; size(step) < 0.99 * largest; ++step)
+        sizes.push_back(static_cast<std::uint32_t>(std::lround(size(step))));
+    sizes.push_back(largest);
+    return sizes;
+}
+
+std::vector<std::uint32_t> sweep_sizes(const std::string& scene, std::uint32_t largest) {
+    if (!scene.starts_with(kGenerated)) {
+        throw Error(ErrorCode::invalid_input,
+                    scene + " has one size; --sweep size takes generated scenes, as gen:NAME:COUNT (see clbvh scenes)");
+    }
+    const std::uint32_t last = largest > 0 ? largest : count_of(scene);
+    if (last < kSmallestSize) {
+        throw Error(ErrorCode::invalid_input,
+                    fmt::format("{}: sizes begin at {}, and {} is below it; give more triangles, or --sweep-to", scene,
+                                kSmallestSize, last));
+    }
+    return sweep_sizes(last);
+}
+
+std::string with_count(const std::string& scene, std::uint32_t count) {
+    const std::vector<std::string> fields = fields_of(scene);
+    const std::string seed = fields.size() > 2 ? ":" + fields[2] : "";
+    return fmt::format("{}{}:{}{}", kGenerated, fields[0], count, seed);
+}
+
+}  // namespace clbvh::tool
