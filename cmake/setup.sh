@@ -7,7 +7,7 @@ build_packages=(
     ocl-icd-opencl-dev opencl-clhpp-headers pocl-opencl-icd clinfo
     libtbb-dev libtinyobjloader-dev libassimp-dev zlib1g-dev libxxhash-dev libcli11-dev libfmt-dev nlohmann-json3-dev libstb-dev libembree-dev
 )
-test_packages=(catch2 oclgrind)
+test_packages=(catch2 oclgrind python3)
 
 say() { printf '== %s\n' "$*"; }
 

@@ -8,7 +8,7 @@
 #include "device/build/build_settings.hpp"
 #include "support/builders.hpp"
 #include "support/meshes.hpp"
-#include "support/tree_oracle.hpp"
+#include "support/oracle/tree_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

@@ -5,7 +5,7 @@
 #include "clbvh/core/validate.hpp"
 #include "support/compare_trees.hpp"
 #include "support/meshes.hpp"
-#include "support/tree_oracle.hpp"
+#include "support/oracle/tree_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

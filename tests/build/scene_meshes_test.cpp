@@ -16,7 +16,7 @@
 #include "clbvh/optimizers.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "support/builders.hpp"
-#include "support/ray_oracle.hpp"
+#include "support/oracle/ray_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "support/meshes.hpp"
-#include "support/tree_oracle.hpp"
+#include "support/oracle/tree_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

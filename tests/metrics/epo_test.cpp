@@ -11,9 +11,9 @@
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/tree_shape.hpp"
 #include "support/builders.hpp"
-#include "support/epo_oracle.hpp"
 #include "support/expect_error.hpp"
 #include "support/meshes.hpp"
+#include "support/oracle/epo_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

@@ -8,7 +8,7 @@
 
 #include "support/expect_error.hpp"
 #include "support/meshes.hpp"
-#include "support/tree_oracle.hpp"
+#include "support/oracle/tree_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/random.hpp"
-#include "support/epo_oracle.hpp"
+#include "support/oracle/epo_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

@@ -6,7 +6,7 @@
 #include "scalar/hit_bytes.hpp"
 #include "scalar/tree_bytes.hpp"
 #include "support/builders.hpp"
-#include "support/ray_oracle.hpp"
+#include "support/oracle/ray_oracle.hpp"
 
 namespace clbvh_scalar::test {
 [[nodiscard]] std::vector<std::uint8_t> tree_bytes(std::string_view id, const std::vector<float>& triangles);

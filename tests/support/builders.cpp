@@ -6,7 +6,7 @@
 
 #include "clbvh/core/validate.hpp"
 #include "support/compare_trees.hpp"
-#include "support/tree_oracle.hpp"
+#include "support/oracle/tree_oracle.hpp"
 
 namespace clbvh::test {
 namespace {

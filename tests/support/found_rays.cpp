@@ -1,7 +1,7 @@
 #include "support/found_rays.hpp"
 
 #include "clbvh/trace/tracer.hpp"
-#include "support/ray_oracle.hpp"
+#include "support/oracle/ray_oracle.hpp"
 
 namespace clbvh::test {
 namespace {

@@ -5,7 +5,7 @@
 #include "clbvh/io/scene.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "support/expect_error.hpp"
-#include "support/ray_oracle.hpp"
+#include "support/oracle/ray_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

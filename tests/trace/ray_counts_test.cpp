@@ -9,7 +9,7 @@
 #include "clbvh/metrics/sah.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "core/random.hpp"
-#include "support/ray_oracle.hpp"
+#include "support/oracle/ray_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

@@ -6,7 +6,7 @@
 
 #include "clbvh/builder.hpp"
 #include "clbvh/io/scene.hpp"
-#include "support/ray_oracle.hpp"
+#include "support/oracle/ray_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

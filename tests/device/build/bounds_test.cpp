@@ -8,7 +8,7 @@
 #include "device/build/stage_bench.hpp"
 #include "support/builders.hpp"
 #include "support/meshes.hpp"
-#include "support/morton_oracle.hpp"
+#include "support/oracle/morton_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

@@ -7,7 +7,7 @@
 #include "clbvh/core/build_options.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
-#include "support/hploc_oracle.hpp"
+#include "support/oracle/hploc_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

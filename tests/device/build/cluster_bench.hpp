@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "device/build/device_algorithm.hpp"
-#include "support/tree_oracle.hpp"
+#include "support/oracle/tree_oracle.hpp"
 
 namespace clbvh::test {
 

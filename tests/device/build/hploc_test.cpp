@@ -9,8 +9,8 @@
 #include "support/box_sets.hpp"
 #include "support/builders.hpp"
 #include "support/compare_trees.hpp"
-#include "support/hploc_oracle.hpp"
 #include "support/meshes.hpp"
+#include "support/oracle/hploc_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

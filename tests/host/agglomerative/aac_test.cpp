@@ -15,7 +15,7 @@
 #include "support/box_sets.hpp"
 #include "support/compare_trees.hpp"
 #include "support/expect_error.hpp"
-#include "support/greedy_oracle.hpp"
+#include "support/oracle/greedy_oracle.hpp"
 #include "support/references.hpp"
 
 using namespace clbvh;

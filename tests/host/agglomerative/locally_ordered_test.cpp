@@ -8,7 +8,7 @@
 
 #include "clbvh/core/validate.hpp"
 #include "support/box_sets.hpp"
-#include "support/greedy_oracle.hpp"
+#include "support/oracle/greedy_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;

@@ -1,4 +1,4 @@
-#include "support/tree_oracle.hpp"
+#include "support/oracle/tree_oracle.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "support/hploc_oracle.hpp"
+#include "support/oracle/hploc_oracle.hpp"
 
 namespace clbvh::test {
 namespace {

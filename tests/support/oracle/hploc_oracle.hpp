@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "support/tree_oracle.hpp"
+#include "support/oracle/tree_oracle.hpp"
 
 namespace clbvh::test {
 

@@ -1,4 +1,4 @@
-#include "support/hploc_oracle.hpp"
+#include "support/oracle/hploc_oracle.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "support/ray_oracle.hpp"
+#include "support/oracle/ray_oracle.hpp"
 
 #include <algorithm>
 #include <array>

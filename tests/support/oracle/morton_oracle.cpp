@@ -1,4 +1,4 @@
-#include "support/morton_oracle.hpp"
+#include "support/oracle/morton_oracle.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "support/greedy_oracle.hpp"
+#include "support/oracle/greedy_oracle.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "support/epo_oracle.hpp"
+#include "support/oracle/epo_oracle.hpp"
 
 #include <algorithm>
 #include <array>

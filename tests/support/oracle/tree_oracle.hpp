@@ -6,7 +6,7 @@
 
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/core/bvh.hpp"
-#include "support/morton_oracle.hpp"
+#include "support/oracle/morton_oracle.hpp"
 
 namespace clbvh::test {
 
