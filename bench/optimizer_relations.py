@@ -38,7 +38,7 @@ def part(before, after):
 
 
 def print_kensler(benches):
-    print("## Rotations of sweep trees\n\nSAH cost, and what hill climbing and annealing leave of it. Kensler 2008, "
+    print("## Rotations of sweep trees\n\nSAH cost, and what hill climbing and annealing leave of it.\nKensler 2008, "
           "table 1, has its costs in other units; the parts compare.\n")
     rows = []
     for scene, plain in benches[""].items():

@@ -71,7 +71,7 @@ def main():
         scenes = {short_name(scene): found for scene, found in of_scenes(results, None, "").items()}
         groups = parse_groups(sys.argv[2:], scenes) or {"All scenes": list(scenes.values())}
         machine = document["machine"]
-        print(f"# Presets\n\n[Presets](../presets.md) says what the columns mean. {machine.get('cpu', 'Unknown processor')}, "
+        print(f"# Presets\n\n[Presets](../presets.md) says what the columns mean.\n{machine.get('cpu', 'Unknown processor')}, "
               f"{machine.get('logical_cores', '?')} logical cores, {machine['compiler']}, {machine['date'][:10]}.\n")
         for title, of_group in groups.items():
             print_group(title, of_group, names_of(results))

@@ -54,7 +54,7 @@ def print_page(document):
     scenes = of_scenes(results, None, "")
     print("# What rays cost, and what predicts it\n")
     leaves = f"merged up to {options['max_leaf_size']}" if options["max_leaf_size"] else "as builders make them"
-    print(f"[Metrics](../metrics.md) says what the columns mean. Leaves {leaves}; scenes turned by "
+    print(f"[Metrics](../metrics.md) says what the columns mean.\nLeaves {leaves}; scenes turned by "
           f"{document['rotate_degrees']:g} degrees; {machine.get('cpu', 'unknown processor')}, "
           f"{machine.get('logical_cores', '?')} logical cores, {machine['compiler']}, {machine['date'][:10]}.\n")
     print_correlations(document["correlation"])

@@ -18,6 +18,7 @@ struct Mesh {
 };
 
 /// Largest magnitude of a coordinate. Beyond it half areas, or the distances of the builders, would overflow float32.
+/// Products of an area and a cost may overflow a little before it: AAC then makes leaves of subtrees that cost less.
 inline constexpr float kMaxCoordinate = 1e18f;
 
 /// Most primitives of one build: node indices stay below 2^31.

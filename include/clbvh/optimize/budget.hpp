@@ -18,7 +18,8 @@ struct OptimizeBudget {
 /// What an optimiser did.
 struct OptimizeStats {
     std::uint32_t passes = 0;   ///< Passes that were finished.
-    std::uint64_t changes = 0;  ///< Nodes moved, pairs exchanged or treelets restructured, that lowered the cost.
+    std::uint64_t changes = 0;  ///< Nodes moved, pairs exchanged or treelets restructured. Each lowered
+                                ///< the cost, but for those of annealing, which also raises it.
     double milliseconds = 0.0;  ///< Wall time.
     bool is_cancelled = false;  ///< The progress callback asked to stop.
 };
