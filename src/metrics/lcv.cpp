@@ -1,3 +1,4 @@
+// Leaf count variability. Aila, Karras, Laine 2013, "On Quality Metrics of Bounding Volume Hierarchies", equation 4.
 #include "clbvh/metrics/lcv.hpp"
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// Subtrees built anew where that is cheaper, as Yoon, Curtis, Manocha 2007, "Ray Tracing Dynamic Scenes using Selective
+// Restructuring", do to trees of deforming meshes; here by the sweep of sweep_sah.hpp.
 #include "clbvh/optimize/rebuild.hpp"
 
 #include <tbb/blocked_range.h>

@@ -1,3 +1,5 @@
+// The best tree over the leaves of a treelet, by dynamic programming. Karras, Aila 2013, "Fast Parallel Construction of
+// High-Quality Bounding Volume Hierarchies", section 3.
 #include "optimize/treelet_search.hpp"
 
 #include <bit>

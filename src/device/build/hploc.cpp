@@ -1,4 +1,5 @@
-// Benthin, Meister, Barczak, Mehalwal, Tsakok, Kensler 2024: H-PLOC.
+// H-PLOC. Benthin, Meister, Barczak, Mehalwal, Tsakok, Kensler 2024, "H-PLOC: Hierarchical Parallel Locally-Ordered
+// Clustering for Bounding Volume Hierarchy Construction".
 
 #include <algorithm>
 

@@ -1,4 +1,6 @@
-// LBVH: Lauterbach et al. 2009, Karras 2012, Apetrei 2014.
+// LBVH. Lauterbach, Garland, Sengupta, Luebke, Manocha 2009, "Fast BVH Construction on GPUs"; Karras 2012, "Maximizing
+// Parallelism in the Construction of BVHs, Octrees, and k-d Trees"; Apetrei 2014, "Fast and Simple Agglomerative LBVH
+// Construction".
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// Meister, Bittner 2018: Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction.
+// PLOC. Meister, Bittner 2018, "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction".
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,5 @@
-// Benthin, Drabinski, Tessari, Dittebrandt 2022: PLOC++, sections 4.1 to 4.4 and 4.7.
+// PLOC++. Benthin, Drabinski, Tessari, Dittebrandt 2022, "PLOC++: Parallel Locally-Ordered Clustering for Bounding
+// Volume Hierarchy Construction Revisited", sections 4.1 to 4.4 and 4.7.
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,5 @@
-// Benthin, Drabinski, Tessari, Dittebrandt 2022: PLOC++ Two-Level, section 4.5.
+// PLOC++ Two-Level. Benthin, Drabinski, Tessari, Dittebrandt 2022, "PLOC++: Parallel Locally-Ordered Clustering for
+// Bounding Volume Hierarchy Construction Revisited", section 4.5.
 
 #include "device/build/device_algorithm.hpp"
 #include "device/build/leaves.hpp"
