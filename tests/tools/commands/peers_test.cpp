@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <clbvh/core/error.hpp>
-#include <embree_peer.hpp>
 #include <nlohmann/json.hpp>
 
+#include "embree/embree_peer.hpp"
 #include "tools/result_fields.hpp"
 #include "tools/tool_process.hpp"
 

@@ -1,12 +1,12 @@
-#include <build_result.hpp>
 #include <catch2/catch.hpp>
 #include <clbvh/device/context.hpp>
 #include <cmath>
-#include <copy_contestant.hpp>
-#include <stage_report.hpp>
 #include <string>
 #include <vector>
 
+#include "measure/build_result.hpp"
+#include "measure/copy_contestant.hpp"
+#include "report/stage_report.hpp"
 #include "tools/tool_process.hpp"
 
 using namespace clbvh;

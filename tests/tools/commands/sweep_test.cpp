@@ -3,11 +3,11 @@
 #include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <sweep.hpp>
-#include <sweep_scene.hpp>
 #include <utility>
 #include <vector>
 
+#include "sweep/sweep.hpp"
+#include "sweep/sweep_scene.hpp"
 #include "tools/result_fields.hpp"
 #include "tools/tool_process.hpp"
 

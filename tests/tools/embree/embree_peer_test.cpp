@@ -6,9 +6,10 @@
 #include <clbvh/io/scene.hpp>
 #include <clbvh/metrics/sah.hpp>
 #include <clbvh/metrics/tree_shape.hpp>
-#include <embree_error.hpp>
-#include <embree_peer.hpp>
 #include <limits>
+
+#include "embree/embree_error.hpp"
+#include "embree/embree_peer.hpp"
 
 using namespace clbvh;
 using namespace clbvh::tool;

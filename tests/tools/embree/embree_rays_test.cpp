@@ -8,9 +8,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <embree_device.hpp>
 #include <filesystem>
 #include <random>
+
+#include "embree/embree_device.hpp"
 
 using namespace clbvh;
 using namespace clbvh::tool;

@@ -3,7 +3,8 @@
 #include <cmath>
 #include <cstddef>
 #include <random>
-#include <split_triangle.hpp>
+
+#include "embree/split_triangle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::tool;

@@ -1,10 +1,11 @@
-#include <build_result.hpp>
 #include <catch2/catch.hpp>
 #include <clbvh/core/error.hpp>
 #include <cmath>
 #include <optional>
-#include <result_json.hpp>
 #include <vector>
+
+#include "measure/build_result.hpp"
+#include "report/result_json.hpp"
 
 using namespace clbvh;
 using namespace clbvh::tool;

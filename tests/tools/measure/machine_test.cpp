@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cctype>
-#include <machine.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
 
+#include "measure/machine.hpp"
 #include "tools/result_fields.hpp"
 #include "tools/tool_process.hpp"
 

@@ -1,10 +1,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdint>
-#include <native_sort.hpp>
 #include <numeric>
 #include <random>
 #include <vector>
+
+#include "measure/native_sort.hpp"
 
 using clbvh::tool::NativeSort;
 

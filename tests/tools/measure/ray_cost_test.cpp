@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <progress_bar.hpp>
-#include <ray_cost.hpp>
-#include <rounds.hpp>
 #include <vector>
+
+#include "cli/progress_bar.hpp"
+#include "measure/ray_cost.hpp"
+#include "measure/rounds.hpp"
 
 using namespace clbvh;
 using namespace clbvh::tool;

@@ -1,7 +1,8 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <sample.hpp>
+
+#include "measure/sample.hpp"
 
 using namespace clbvh::tool;
 

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
-#include <table.hpp>
+
+#include "report/table.hpp"
 
 using clbvh::tool::Table;
 
