@@ -5,6 +5,7 @@
 #include <array>
 #include <clbvh/metrics/sah.hpp>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "report/table.hpp"
 #include "report/trace_result.hpp"

@@ -1,5 +1,6 @@
 #include "cli/build_arguments.hpp"
 
+#include <CLI/CLI.hpp>
 #include <clbvh/core/error.hpp>
 #include <clbvh/optimizers.hpp>
 #include <initializer_list>

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <clbvh/core/build_options.hpp>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "cli/cli_fwd.hpp"
 
 namespace clbvh::tool {
 

@@ -18,6 +18,11 @@ struct BuilderChoice {
     std::string reason;                        ///< Why they cannot.
 };
 
+/// What commands suggest where no device can be had: those that take one builder, and those that take several.
+inline constexpr const char* kOneBuilderWayOut =
+    "--builder binned-sah (a host builder; see clbvh builders) needs no device";
+inline constexpr const char* kBuildersWayOut = "--builders host needs no device (see clbvh builders)";
+
 /// Resolves a list of ids, of builders or presets, and groups with commas, and spaces where liked, between them. The
 /// groups are "all", "host" and "device" builders, and "presets".
 ///

@@ -1,11 +1,13 @@
 #include "cli/json_output.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <clbvh/core/error.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "cli/output_file.hpp"

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+
+#include "cli/cli_fwd.hpp"
 
 namespace clbvh::tool {
 

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/eval/rotation.hpp>
 #include <optional>
 #include <string>
+
+#include "cli/cli_fwd.hpp"
 
 namespace clbvh::tool {
 

@@ -1,11 +1,13 @@
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <clbvh/core/error.hpp>
 #include <cstdint>
 #include <exception>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <utility>
@@ -33,7 +35,7 @@
 namespace clbvh::tool {
 namespace {
 
-struct Arguments {
+struct BenchArguments {
     std::vector<std::string> scenes;
     SceneArguments loading;
     std::string builders = "all";
@@ -48,14 +50,12 @@ struct Arguments {
     JsonOutput json;
 };
 
-constexpr const char* kWayOut = "--builders host needs no device (see clbvh builders)";
-
 /// A benchmark under way: tables are printed as scenes end, and the document holds what has been done so far.
 class Bench {
 public:
-    explicit Bench(const Arguments& arguments)
+    explicit Bench(const BenchArguments& arguments)
         : arguments_(arguments),
-          choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)),
+          choice_(choose_builders(arguments.builders, arguments.build.device, kBuildersWayOut)),
           sweep_(arguments.sweep.empty() ? nullptr : &find_sweep(arguments.sweep)) {
         if (sweep_ != nullptr) keep_readers(*sweep_, arguments.build.options, choice_);
         settings_ = {choice_.ids,
@@ -135,7 +135,7 @@ private:
         return arguments_.peers && is_unequal ? "Embree's builders ran without presplitting and optimizers\n" : "";
     }
 
-    const Arguments& arguments_;
+    const BenchArguments& arguments_;
     BuilderChoice choice_;
     SceneReport report_{choice_, arguments_.loading, arguments_.json};
     const Sweep* sweep_;  // null where none was asked for
@@ -144,7 +144,7 @@ private:
 };
 
 /// What can be seen before any work.
-void check_arguments(const Arguments& arguments) {
+void check_arguments(const BenchArguments& arguments) {
     const auto refuse = [](const char* what) { throw Error(ErrorCode::invalid_input, what); };
     const bool sweeps = !arguments.sweep.empty();
     arguments.build.check();
@@ -160,7 +160,7 @@ void check_arguments(const Arguments& arguments) {
         static_cast<void>(sweep_sizes(scene, arguments.sweep_to));
 }
 
-int run_bench(const Arguments& arguments) {
+int run_bench(const BenchArguments& arguments) {
     check_arguments(arguments);
     Bench bench(arguments);
     try {
@@ -184,7 +184,7 @@ std::string require_one_or_more(const std::string& value) {
 
 Command add_bench_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("bench", "Time builders side by side, and a native sort beside them");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<BenchArguments>();
     command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
     command
         ->add_option("--builders", arguments->builders,

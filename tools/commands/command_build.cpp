@@ -1,8 +1,10 @@
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <clbvh/builder.hpp>
 #include <clbvh/io/bvh_file.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -24,7 +26,7 @@
 namespace clbvh::tool {
 namespace {
 
-struct Arguments {
+struct BuildCommandArguments {
     std::string scene;
     SceneArguments loading;
     std::string builder = "plocpp";
@@ -34,10 +36,8 @@ struct Arguments {
     JsonOutput json;
 };
 
-constexpr const char* kWayOut = "--builder binned-sah (a host builder; see clbvh builders) needs no device";
-
 /// What needs no mesh is checked first: loading one may take long.
-void check_arguments(const Arguments& arguments) {
+void check_arguments(const BuildCommandArguments& arguments) {
     arguments.build.check();
     static_cast<void>(require_builder(arguments.builder));
     arguments.json.require_writable();
@@ -45,7 +45,7 @@ void check_arguments(const Arguments& arguments) {
 }
 
 /// Builds twice: some drivers compile a kernel only when it is first launched, and times are without compilation.
-Bvh build_twice(const Arguments& arguments, const std::optional<Context>& context, const Mesh& mesh,
+Bvh build_twice(const BuildCommandArguments& arguments, const std::optional<Context>& context, const Mesh& mesh,
                 BuildResult& result) {
     constexpr double kRuns = 2.0;
     ProgressBar bar;
@@ -69,9 +69,10 @@ Bvh build_twice(const Arguments& arguments, const std::optional<Context>& contex
     return builder.download();
 }
 
-int build(const Arguments& arguments) {
+int build(const BuildCommandArguments& arguments) {
     check_arguments(arguments);
-    const std::optional<Context> context = choose_builders(arguments.builder, arguments.build.device, kWayOut).context;
+    const std::optional<Context> context =
+        choose_builders(arguments.builder, arguments.build.device, kOneBuilderWayOut).context;
     const Stopwatch load;
     const Mesh mesh = arguments.loading.load(arguments.scene);
     const double load_ms = load.milliseconds();
@@ -101,7 +102,7 @@ Command add_build_command(CLI::App& app) {
     command->footer(
         "Builds twice and reports the second time: the first build warms up, since drivers compile kernels at their "
         "first\nlaunch, and memory is slower when it is first touched.");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<BuildCommandArguments>();
     command->add_option("scene", arguments->scene, kSceneHelp)->type_name("SCENE")->required();
     command->add_option("--builder", arguments->builder, "A builder or a preset; see clbvh builders")
         ->type_name("ID")

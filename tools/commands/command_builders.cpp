@@ -1,11 +1,13 @@
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <clbvh/core/error.hpp>
 #include <clbvh/device/device.hpp>
 #include <clbvh/optimizers.hpp>
 #include <clbvh/presets.hpp>
 #include <clbvh/registry.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -106,7 +108,7 @@ Listing list_presets(const std::string& missing) {
     return listing;
 }
 
-int list(const JsonOutput& json) {
+int print_all(const JsonOutput& json) {
     json.require_writable();
     const std::string missing = missing_device();
     const Listing of_builders = list_builders(missing);
@@ -127,7 +129,7 @@ Command add_builders_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("builders", "List the presets, the builders, and what improves their trees");
     auto json = std::make_shared<JsonOutput>();
     json->add_option(*command);
-    return {command, [json] { return list(*json); }};
+    return {command, [json] { return print_all(*json); }};
 }
 
 }  // namespace clbvh::tool

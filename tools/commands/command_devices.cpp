@@ -1,10 +1,12 @@
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <clbvh/core/error.hpp>
 #include <clbvh/device/device.hpp>
 #include <clbvh/device/profile.hpp>
 #include <cstdlib>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -72,7 +74,7 @@ std::string profile_lines(const std::vector<DeviceInfo>& devices) {
     return text;
 }
 
-int list(const JsonOutput& json) {
+int print_devices(const JsonOutput& json) {
     json.require_writable();
     const std::vector<DeviceInfo> devices = list_devices();
     // The library's message for "none at all" says what to install.
@@ -97,7 +99,7 @@ Command add_devices_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("devices", "List the OpenCL devices");
     auto json = std::make_shared<JsonOutput>();
     json->add_option(*command);
-    return {command, [json] { return list(*json); }};
+    return {command, [json] { return print_devices(*json); }};
 }
 
 }  // namespace clbvh::tool

@@ -1,9 +1,11 @@
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <clbvh/core/error.hpp>
 #include <cstdint>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +28,7 @@
 namespace clbvh::tool {
 namespace {
 
-struct Arguments {
+struct MetricsArguments {
     std::vector<std::string> scenes;
     SceneArguments loading;
     ViewArguments view;
@@ -38,13 +40,11 @@ struct Arguments {
     JsonOutput json;
 };
 
-constexpr const char* kWayOut = "--builders host needs no device (see clbvh builders)";
-
 /// Scene after scene; the document holds what has been done so far.
 class Measuring {
 public:
-    explicit Measuring(const Arguments& arguments)
-        : arguments_(arguments), choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)) {
+    explicit Measuring(const MetricsArguments& arguments)
+        : arguments_(arguments), choice_(choose_builders(arguments.builders, arguments.build.device, kBuildersWayOut)) {
         choice_.context = arguments.tracing.context(std::move(choice_.context), arguments.build.device);
         settings_ = {{choice_.ids, arguments.measuring.runs, arguments.build.options, choice_.context},
                      arguments.measuring.epo_samples};
@@ -90,7 +90,7 @@ public:
     }
 
 private:
-    const Arguments& arguments_;
+    const MetricsArguments& arguments_;
     BuilderChoice choice_;
     SceneReport report_{choice_, arguments_.loading, arguments_.json};
     MetricsSettings settings_;
@@ -99,7 +99,7 @@ private:
 };
 
 /// What can be seen before any work.
-void check_arguments(const Arguments& arguments) {
+void check_arguments(const MetricsArguments& arguments) {
     arguments.build.check();
     arguments.view.check();
     arguments.json.require_writable();
@@ -108,7 +108,7 @@ void check_arguments(const Arguments& arguments) {
     std::ranges::for_each(arguments.scenes, require_scene);
 }
 
-int run_metrics(const Arguments& arguments) {
+int run_metrics(const MetricsArguments& arguments) {
     check_arguments(arguments);
     Measuring measuring(arguments);
     run_and_write(
@@ -117,7 +117,7 @@ int run_metrics(const Arguments& arguments) {
     return measuring.finish();
 }
 
-void add_measuring_options(CLI::App& command, Arguments& arguments) {
+void add_measuring_options(CLI::App& command, MetricsArguments& arguments) {
     command
         .add_option("--builders,--builder", arguments.builders,
                     "Ids or groups (all, host, device, presets) with commas between them; see clbvh builders")
@@ -134,7 +134,7 @@ Command add_metrics_command(CLI::App& app) {
         "EPO, LCV and the weights alpha and beta are those of Aila, Karras and Laine 2013; docs/metrics.md defines "
         "them.\nns/ray is of eight children at a time, binary of the tree's own nodes. All trees stay in "
         "memory.");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<MetricsArguments>();
     command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
     add_measuring_options(*command, *arguments);
     arguments->rays.add_options(*command);

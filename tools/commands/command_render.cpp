@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <clbvh/core/error.hpp>
 #include <cmath>
@@ -29,7 +30,7 @@
 namespace clbvh::tool {
 namespace {
 
-struct Arguments {
+struct RenderArguments {
     std::string scene;
     SceneArguments loading;
     ViewArguments view;
@@ -43,11 +44,10 @@ struct Arguments {
     BuildArguments build;
 };
 
-constexpr const char* kWayOut = "--builder binned-sah (a host builder; see clbvh builders) needs no device";
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
 
 /// What can be seen before any work.
-void check_arguments(const Arguments& arguments) {
+void check_arguments(const RenderArguments& arguments) {
     arguments.build.check();
     arguments.view.check();
     const std::uint64_t pixels = std::uint64_t{arguments.settings.width} * arguments.settings.height;
@@ -70,8 +70,8 @@ void check_arguments(const Arguments& arguments) {
 }
 
 /// Those of --builder, and where they run.
-BuilderChoice choose(const Arguments& arguments) {
-    BuilderChoice choice = choose_builders(arguments.builders, arguments.build.device, kWayOut);
+BuilderChoice choose(const RenderArguments& arguments) {
+    BuilderChoice choice = choose_builders(arguments.builders, arguments.build.device, kOneBuilderWayOut);
     choice.context = arguments.tracing.context(std::move(choice.context), arguments.build.device);
     if (choice.ids.size() > 1 && !shows_heat(arguments.mode)) {
         throw Error(ErrorCode::invalid_input,
@@ -89,7 +89,7 @@ BuilderChoice choose(const Arguments& arguments) {
     return choice;
 }
 
-std::unique_ptr<RayEngine> build_engine(const Arguments& arguments, const std::string& builder,
+std::unique_ptr<RayEngine> build_engine(const RenderArguments& arguments, const std::string& builder,
                                         const std::optional<Context>& context, const Mesh& mesh, ProgressBar& bar) {
     BuildOptions options = arguments.build.options;
     options.progress = [&bar](const Progress& build) {
@@ -101,7 +101,7 @@ std::unique_ptr<RayEngine> build_engine(const Arguments& arguments, const std::s
 }
 
 /// A heat map for each builder, all to the same scale.
-Picture draw_heat(const Arguments& arguments, const BuilderChoice& choice, const ViewedScene& viewed,
+Picture draw_heat(const RenderArguments& arguments, const BuilderChoice& choice, const ViewedScene& viewed,
                   const RenderSettings& settings, ProgressBar& bar) {
     std::vector<std::vector<float>> heats;
     float scale_end = arguments.heat_end;
@@ -117,7 +117,7 @@ Picture draw_heat(const Arguments& arguments, const BuilderChoice& choice, const
     return side_by_side(maps);
 }
 
-Picture draw(const Arguments& arguments, const BuilderChoice& choice, const ViewedScene& viewed,
+Picture draw(const RenderArguments& arguments, const BuilderChoice& choice, const ViewedScene& viewed,
              const RenderSettings& settings, ProgressBar& bar) {
     if (shows_heat(arguments.mode)) return draw_heat(arguments, choice, viewed, settings, bar);
     const std::unique_ptr<RayEngine> engine =
@@ -125,7 +125,7 @@ Picture draw(const Arguments& arguments, const BuilderChoice& choice, const View
     return render(arguments.mode, viewed.mesh, viewed.camera, *engine, settings);
 }
 
-int render_scene(const Arguments& arguments) {
+int render_scene(const RenderArguments& arguments) {
     check_arguments(arguments);
     const BuilderChoice choice = choose(arguments);
     ProgressBar bar;
@@ -152,7 +152,7 @@ int render_scene(const Arguments& arguments) {
     return 0;
 }
 
-void add_picture_options(CLI::App& command, Arguments& arguments) {
+void add_picture_options(CLI::App& command, RenderArguments& arguments) {
     command
         .add_option_function<std::string>(
             "--mode", [&arguments](const std::string& name) { arguments.mode = render_mode_from(name).value(); },
@@ -192,7 +192,7 @@ void add_picture_options(CLI::App& command, Arguments& arguments) {
 
 Command add_render_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("render", "Draw a scene, or what its tree costs");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<RenderArguments>();
     command->add_option("scene", arguments->scene, kSceneHelp)->type_name("SCENE")->required();
     add_picture_options(*command, *arguments);
     command

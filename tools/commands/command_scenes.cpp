@@ -1,7 +1,9 @@
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <clbvh/io/scene.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "cli/exit_code.hpp"
@@ -12,7 +14,7 @@
 namespace clbvh::tool {
 namespace {
 
-int list(const JsonOutput& json) {
+int print_scenes(const JsonOutput& json) {
     json.require_writable();
     Table table({"scene", "description"}, Table::Align::left);
     nlohmann::ordered_json entries = nlohmann::ordered_json::array();
@@ -35,7 +37,7 @@ Command add_scenes_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("scenes", "List the generated scenes");
     auto json = std::make_shared<JsonOutput>();
     json->add_option(*command);
-    return {command, [json] { return list(*json); }};
+    return {command, [json] { return print_scenes(*json); }};
 }
 
 }  // namespace clbvh::tool

@@ -1,9 +1,11 @@
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <clbvh/core/error.hpp>
 #include <cstdint>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,7 +29,7 @@
 namespace clbvh::tool {
 namespace {
 
-struct Arguments {
+struct TableArguments {
     std::vector<std::string> scenes;
     SceneArguments loading;
     ViewArguments view;
@@ -62,7 +64,7 @@ BuilderChoice open_device(const std::vector<NineBuilder>& nine, const std::strin
 /// Scene after scene; the document holds what has been done so far.
 class Comparing {
 public:
-    explicit Comparing(const Arguments& arguments) : arguments_(arguments) {
+    explicit Comparing(const TableArguments& arguments) : arguments_(arguments) {
         settings_.builders = choose_nine(arguments.builders);
         choice_ = open_device(settings_.builders, arguments.build.device);
         settings_.trees = {arguments.build.options, arguments.annealing, choice_.context};
@@ -116,7 +118,7 @@ public:
     }
 
 private:
-    const Arguments& arguments_;
+    const TableArguments& arguments_;
     BuilderChoice choice_;
     SceneReport report_{choice_, arguments_.loading, arguments_.json};
     NineSettings settings_;
@@ -125,7 +127,7 @@ private:
 };
 
 /// Two ways to split triangles do not go together.
-void check_splitting(const Arguments& arguments) {
+void check_splitting(const TableArguments& arguments) {
     if (arguments.build.options.presplit_level == 0) return;
     for (const NineBuilder& nine : choose_nine(arguments.builders)) {
         if (nine.id == "streelet")
@@ -135,7 +137,7 @@ void check_splitting(const Arguments& arguments) {
 }
 
 /// What can be seen before any work.
-void check_arguments(const Arguments& arguments) {
+void check_arguments(const TableArguments& arguments) {
     arguments.build.check();
     check_splitting(arguments);
     arguments.view.check();
@@ -145,7 +147,7 @@ void check_arguments(const Arguments& arguments) {
     std::ranges::for_each(arguments.scenes, require_scene);
 }
 
-int run_table(const Arguments& arguments) {
+int run_table(const TableArguments& arguments) {
     check_arguments(arguments);
     Comparing comparing(arguments);
     run_and_write(
@@ -154,7 +156,7 @@ int run_table(const Arguments& arguments) {
     return comparing.finish();
 }
 
-void add_measuring_options(CLI::App& command, Arguments& arguments) {
+void add_measuring_options(CLI::App& command, TableArguments& arguments) {
     command
         .add_option("--builders,--builder", arguments.builders,
                     "all, or some of lbvh, bbvh, sbvh, agglo, bittner, hclimb, anneal, treelet and streelet, with "
@@ -178,7 +180,7 @@ Command add_table_command(CLI::App& app) {
         "Lays their table 1 out for any mesh: what rays cost, SAH, EPO and LCV, and how well these predict that; "
         "docs/table.md\nsays which builder is which. --max-leaf holds for all but LBVH, whose leaves are triangles. "
         "All trees stay in memory.");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<TableArguments>();
     arguments->build.options.max_leaf_size = kPaperLeaf;
     command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
     add_measuring_options(*command, *arguments);

@@ -1,8 +1,10 @@
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -26,7 +28,7 @@
 namespace clbvh::tool {
 namespace {
 
-struct Arguments {
+struct TraceArguments {
     std::vector<std::string> scenes;
     SceneArguments loading;
     ViewArguments view;
@@ -38,13 +40,11 @@ struct Arguments {
     JsonOutput json;
 };
 
-constexpr const char* kWayOut = "--builders host needs no device (see clbvh builders)";
-
 /// Scene after scene; the document holds what has been done so far.
 class Tracing {
 public:
-    explicit Tracing(const Arguments& arguments)
-        : arguments_(arguments), choice_(choose_builders(arguments.builders, arguments.build.device, kWayOut)) {
+    explicit Tracing(const TraceArguments& arguments)
+        : arguments_(arguments), choice_(choose_builders(arguments.builders, arguments.build.device, kBuildersWayOut)) {
         choice_.context = arguments.tracing.context(std::move(choice_.context), arguments.build.device);
         if (std::ranges::find(choice_.ids, kTraceBaseline) == choice_.ids.end())
             choice_.ids.emplace_back(kTraceBaseline);
@@ -80,7 +80,7 @@ public:
     }
 
 private:
-    const Arguments& arguments_;
+    const TraceArguments& arguments_;
     BuilderChoice choice_;
     SceneReport report_{choice_, arguments_.loading, arguments_.json};
     TraceSettings settings_;
@@ -88,7 +88,7 @@ private:
 };
 
 /// What can be seen before any work.
-void check_arguments(const Arguments& arguments) {
+void check_arguments(const TraceArguments& arguments) {
     arguments.build.check();
     arguments.view.check();
     arguments.json.require_writable();
@@ -96,7 +96,7 @@ void check_arguments(const Arguments& arguments) {
     std::ranges::for_each(arguments.scenes, require_scene);
 }
 
-int run_trace(const Arguments& arguments) {
+int run_trace(const TraceArguments& arguments) {
     check_arguments(arguments);
     Tracing tracing(arguments);
     run_and_write(
@@ -112,7 +112,7 @@ Command add_trace_command(CLI::App& app) {
     command->footer(
         "Rays are made on the first tree; answers are compared with its own. binned-sah runs as well, to be compared "
         "with.\nTimes are of the wall clock, medians of rounds in which all trees take their turns.");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<TraceArguments>();
     command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
     command
         ->add_option("--builders,--builder", arguments->builders,

@@ -1,11 +1,13 @@
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <clbvh/core/error.hpp>
 #include <clbvh/device/profile.hpp>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -25,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-struct Arguments {
+struct TuneArguments {
     std::string device;
     std::string output;
     TuneSettings settings{{"gen:clustered:300000", "gen:city:300000"}};
@@ -33,7 +35,7 @@ struct Arguments {
 };
 
 /// Where the profile goes; its folder is made.
-fs::path output_path(const Arguments& arguments, const DeviceInfo& device) {
+fs::path output_path(const TuneArguments& arguments, const DeviceInfo& device) {
     if (!arguments.output.empty()) return arguments.output;
     fs::path path = profile_path(device);
     if (path.empty()) {
@@ -61,12 +63,12 @@ ordered_json trials_json(const TunedKnob& tuned, const TuneSettings& settings) {
     return {{"option", tuned.knob.option}, {"builder", tuned.knob.builder}, {"trials", std::move(trials)}};
 }
 
-std::string where_it_is_used(const Arguments& arguments, const fs::path& path) {
+std::string where_it_is_used(const TuneArguments& arguments, const fs::path& path) {
     if (arguments.output.empty()) return "from now on it is used on this device";
     return fmt::format("it is used where CLBVH_PROFILE={}", path.string());
 }
 
-int tune(const Arguments& arguments) {
+int tune(const TuneArguments& arguments) {
     arguments.json.require_writable();
     for (const std::string& scene : arguments.settings.scenes)
         require_scene(scene);
@@ -111,7 +113,7 @@ Command add_tune_command(CLI::App& app) {
         "tree;\n"
         "options that are given win over it. It is used for this device with this driver: where it is in its place\n"
         "(clbvh devices shows it), or the variable CLBVH_PROFILE names it. CLBVH_PROFILE=off uses none.");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<TuneArguments>();
     command->add_option("scene", arguments->settings.scenes, kScenesHelp)->type_name("SCENE")->capture_default_str();
     arguments->settings.loading.add_options(*command);
     command->add_option("--device", arguments->device, "Index, type (gpu, cpu, accelerator) or part of a name")

@@ -3,7 +3,7 @@
 #include <clbvh/device/context.hpp>
 #include <cstdint>
 #include <istream>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>

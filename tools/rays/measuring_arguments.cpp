@@ -1,5 +1,6 @@
 #include "rays/measuring_arguments.hpp"
 
+#include <CLI/CLI.hpp>
 #include <clbvh/core/error.hpp>
 #include <clbvh/metrics/epo.hpp>
 #include <string>

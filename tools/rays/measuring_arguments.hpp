@@ -1,9 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string_view>
 
+#include "cli/cli_fwd.hpp"
 #include "rays/ray_arguments.hpp"
 
 namespace clbvh::tool {

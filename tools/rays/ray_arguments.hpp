@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/eval/camera.hpp>
 #include <clbvh/eval/ray_sets.hpp>
@@ -8,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/cli_fwd.hpp"
 #include "measure/ray_cost.hpp"
 
 namespace clbvh::tool {

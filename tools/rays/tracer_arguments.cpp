@@ -1,5 +1,6 @@
 #include "rays/tracer_arguments.hpp"
 
+#include <CLI/CLI.hpp>
 #include <utility>
 
 #include "measure/build_result.hpp"

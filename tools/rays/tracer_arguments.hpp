@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <clbvh/core/build_options.hpp>
 #include <clbvh/core/bvh.hpp>
 #include <clbvh/core/mesh.hpp>
@@ -12,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "cli/cli_fwd.hpp"
 #include "measure/ray_engine.hpp"
 
 namespace clbvh::tool {

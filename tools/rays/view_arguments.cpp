@@ -1,5 +1,6 @@
 #include "rays/view_arguments.hpp"
 
+#include <CLI/CLI.hpp>
 #include <clbvh/builder.hpp>
 #include <clbvh/core/error.hpp>
 #include <clbvh/eval/rotation.hpp>

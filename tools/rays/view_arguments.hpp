@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/eval/camera.hpp>
 #include <cstdint>
 #include <string>
 
+#include "cli/cli_fwd.hpp"
 #include "cli/scene_arguments.hpp"
 
 namespace clbvh::tool {

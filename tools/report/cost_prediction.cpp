@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <clbvh/eval/cost_fit.hpp>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "report/table.hpp"

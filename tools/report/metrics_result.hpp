@@ -2,7 +2,7 @@
 
 #include <clbvh/eval/cost_fit.hpp>
 #include <clbvh/metrics/tree_shape.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>

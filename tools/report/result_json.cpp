@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -16,10 +17,6 @@ using nlohmann::ordered_json;
 /// The double that is written with as few digits as the float: 1.2, not 1.2000000476837158.
 double shortest(float value) {
     return std::stod(fmt::format("{}", value));
-}
-
-ordered_json sample_json(const Sample& sample) {
-    return {{"median", sample.median}, {"min", sample.min}, {"max", sample.max}};
 }
 
 /// What the stage's kernels moved, and how fast: absolutely, and relative to a copy where one was measured.
@@ -147,6 +144,10 @@ ordered_json profile_json(const std::optional<Context>& context) {
 }
 
 }  // namespace
+
+ordered_json sample_json(const Sample& sample) {
+    return {{"median", sample.median}, {"min", sample.min}, {"max", sample.max}};
+}
 
 ordered_json to_json(const DeviceInfo& device) {
     return {

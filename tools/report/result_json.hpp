@@ -1,16 +1,18 @@
 #pragma once
 
 #include <clbvh/device/context.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 
 #include "cli/scene_arguments.hpp"
 #include "measure/build_result.hpp"
+#include "measure/sample.hpp"
 
 namespace clbvh::tool {
 
 [[nodiscard]] nlohmann::ordered_json to_json(const DeviceInfo& device);
+[[nodiscard]] nlohmann::ordered_json sample_json(const Sample& sample);
 
 /// The document of a command that builds: the machine, the device, null where none was opened, the file of its profile,
 /// null where none is used, how scenes were turned, the options under the names of BuildOptions, and the array

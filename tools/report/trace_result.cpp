@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <nlohmann/json.hpp>
 
 #include "cli/exit_code.hpp"
 #include "measure/build_result.hpp"
 #include "report/column_table.hpp"
+#include "report/result_json.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -32,10 +34,6 @@ std::string set_report(std::span<const TraceResult> results) {
         {"hits", [](Result r) { return std::to_string(r.cost.hits); }},
     };
     return fmt::format("{}\n{}", trace_title(results.front()), table_text(columns, results));
-}
-
-nlohmann::ordered_json sample_json(const Sample& sample) {
-    return {{"median", sample.median}, {"min", sample.min}, {"max", sample.max}};
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <clbvh/eval/camera.hpp>
 #include <clbvh/registry.hpp>
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
