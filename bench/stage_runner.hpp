@@ -12,7 +12,7 @@
 
 namespace clbvh::bench {
 
-/// What a stage works on: a mesh of a generated scene on the device, and the memory of its build.
+/// Input of a stage: a mesh of a generated scene on the device, and the memory of its build.
 class StageRunner {
 public:
     using Step = std::function<void(StageRunner&, device::Launcher&)>;

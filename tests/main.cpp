@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 int main(int argc, char** argv) {
-    // What was kept on this machine decides nothing here, unless a test says so.
+    // Files kept on this machine must not influence tests, unless a test says so.
     setenv("CLBVH_CACHE", "off", 1);
     setenv("CLBVH_PROFILE", "off", 1);
     return Catch::Session().run(argc, argv);

@@ -1,4 +1,4 @@
-// The way up in a finished tree.
+// Parent links of a finished tree.
 //
 // find_parents
 //   in     nodes [node_count] (tree_nodes.clh)

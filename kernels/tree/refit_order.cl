@@ -1,5 +1,5 @@
-// What refitting has to know of a tree's structure: the parents of all sibling pairs, and in the lane shape an order of
-// the pairs in which children stand behind their parents.
+// A tree's structure, as refitting needs it: the parents of all sibling pairs, and in the lane shape an order of the
+// pairs in which children stand behind their parents.
 //
 //   in     nodes [node_count] (tree_nodes.clh), parents [pairs] (parents.cl), pairs = node_count / 2
 // clear_arrivals

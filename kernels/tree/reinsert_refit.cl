@@ -43,7 +43,7 @@ static inline uint2 changed_pairs(Found move, uint is_undoing) {
     return (uint2)(move.from / 2, (is_undoing ? move.to : move.pivot) / 2);
 }
 
-// The pair 0 is nobody's children.
+// Pair 0 has no parent.
 static inline void mark_upwards(uint pair, global const uint* parents, global uint* arrivals) {
     while (pair != 0 && atomic_inc(arrivals + pair) == 0)
         pair = parents[pair] / 2;

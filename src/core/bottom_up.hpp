@@ -15,11 +15,10 @@
 
 namespace clbvh {
 
-/// Visits the inner nodes of a finished tree, children before parents, in parallel. It knows nothing of the tree but
-/// its nodes, so it has to find them from the root first: a walk writes down, in segments of fixed length, the nodes
-/// that it meets, and each time that a segment is full it gives the shallowest subtree it has yet to visit to another
-/// task. Whoever finishes the last segment below a segment visits that one, backwards. The stack stays flat at any
-/// depth.
+/// Visits the inner nodes of a finished tree, children before parents, in parallel. It knows only the tree's nodes, so
+/// it has to find them from the root first: a walk lists, in segments of fixed length, the nodes that it meets, and
+/// each time that a segment is full it gives the shallowest subtree it has yet to visit to another task. Whoever
+/// finishes the last segment below a segment visits that one, backwards. The stack stays flat at any depth.
 template <typename Visit>
 class BottomUp {
 public:

@@ -96,7 +96,7 @@ public:
 private:
     static constexpr std::string_view kSpace = " \t\r\n";
 
-    /// What stands from here to the next space.
+    /// The text from here to the next space.
     [[nodiscard]] std::string_view word() const {
         return file_.substr(position_, std::min(file_.find_first_of(kSpace, position_), file_.size()) - position_);
     }

@@ -31,7 +31,7 @@ static_assert(sizeof(FileHeader) == 32);
     throw Error(ErrorCode::io, "cannot read " + path.string() + ": " + what);
 }
 
-/// What says nothing of the rays themselves. Nothing is allocated before the file's size confirms it.
+/// The header, without the rays themselves. Nothing is allocated before the file's size confirms it.
 void check_header(const FileHeader& header, std::uint64_t file_bytes, const std::filesystem::path& path) {
     if (std::memcmp(header.magic, kMagic, sizeof kMagic - 1) != 0) fail(path, "not a ray file: the magic is missing");
     if (header.magic[7] != kMagic[7]) {

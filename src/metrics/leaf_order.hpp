@@ -19,8 +19,8 @@ public:
         std::uint32_t end = 0;
     };
 
-    /// Throws Error(invalid_input) where the tree is none over a mesh of so many triangles: children, ids or ranges out
-    /// of range, or a node with two ways to it.
+    /// Throws Error(invalid_input) where the tree was not built over a mesh of so many triangles: children, ids or
+    /// ranges out of range, or a node with two parents.
     LeafOrder(const Bvh& bvh, std::uint64_t triangle_count);
 
     /// The nodes as the walk meets them: parents before their children.

@@ -9,15 +9,16 @@
 
 namespace clbvh {
 
-/// What is known of all nodes of a subtree together, so that what lies in each of them need not visit them: where very
-/// many primitives have the same box, nearly all nodes do.
+/// Sums over all nodes of a subtree, so that a triangle that lies in each of them need not visit them: where very many
+/// primitives have the same box, nearly all nodes do.
 class SubtreeSums {
 public:
     SubtreeSums(const Bvh& bvh, const LeafOrder& order, const SahCosts& costs);
 
-    /// What lies in the boxes of all nodes of `node`'s subtree; empty, lower above upper, where there is no such place.
+    /// Intersection of the boxes of all nodes of `node`'s subtree; empty, lower above upper, where there is no such
+    /// place.
     [[nodiscard]] const Aabb& core(std::uint32_t node) const noexcept { return sums_[node].core; }
-    /// What visiting all nodes of the subtree costs.
+    /// Cost of visiting all nodes of the subtree.
     [[nodiscard]] double cost(std::uint32_t node) const noexcept { return sums_[node].cost; }
 
 private:

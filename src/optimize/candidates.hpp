@@ -20,7 +20,7 @@ public:
     /// number of threads; valid until the next call.
     [[nodiscard]] std::span<const std::uint32_t> choose(double part);
 
-    /// What stands in `slot` has changed since the last choice.
+    /// The node in `slot` has changed since the last choice.
     void touch(std::uint32_t slot) { touched_.push_back(slot); }
 
     /// EditTree::inner_half_area() at the time of the construction.

@@ -10,7 +10,7 @@
 
 namespace clbvh::optimizer {
 
-/// The nodes of a finished tree with the way up, for changes in place. A subtree is what its root's slot holds:
+/// The nodes of a finished tree with parent links, for changes in place. A subtree is what its root's slot holds:
 /// subtrees change places by an exchange of two slots. Siblings stay at 2s and 2s + 1, and no slot is ever freed or
 /// taken.
 class EditTree {

@@ -10,7 +10,7 @@ namespace clbvh::optimizer {
 /// Keeps an optimiser within its budget, and the books of it.
 class PassClock {
 public:
-    /// `own_limit` is the most passes where the budget says nothing.
+    /// `own_limit` is the most passes where the budget sets none.
     PassClock(std::string_view name, const OptimizeBudget& budget, std::uint32_t own_limit);
 
     /// True where another pass may begin.

@@ -30,7 +30,7 @@ public:
     [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return data()[i]; }
 
 private:
-    /// What would fill only a small part of a huge page gets none.
+    /// Arrays that would fill only a small part of a huge page get none.
     static HugePageMemory allocate(std::size_t bytes) {
         if (bytes >= kHugePage / 4) return allocate_in_huge_pages(bytes);
         HugePageMemory memory(static_cast<std::byte*>(std::aligned_alloc(64, bytes / 64 * 64 + 64)));

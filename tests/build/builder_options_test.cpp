@@ -1,5 +1,5 @@
-// What BuildOptions put before and behind every builder of the registry: splitting of triangles, merging of leaves, a
-// number of threads. The tree stays valid and the same, the statistics true, and each stage can be cancelled.
+// Options that act before and behind every builder: splitting of triangles, merging of leaves, a number of threads. The
+// tree stays valid and the same, the statistics true, and each stage can be cancelled.
 #include <tbb/global_control.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Proves the tests' own tools: what tells whether two trees are equal, and the trees that builders are held against.
+// Tests of the tests' own tools: the comparison of trees, and the trees that builders are compared with.
 #include <catch2/catch.hpp>
 #include <random>
 

@@ -53,7 +53,7 @@ double chord(const Ray& ray, const Aabb& box) {
     return end - begin;
 }
 
-/// What a line costs that visits every node whose box, and whose ancestors' boxes, it crosses.
+/// Cost of a line that visits every node whose box, and whose ancestors' boxes, it crosses.
 double cost_of_line(const Bvh& bvh, const Ray& ray, const SahCosts& costs) {
     double cost = 0.0;
     std::vector<std::uint32_t> open{0};

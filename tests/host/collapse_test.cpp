@@ -74,7 +74,7 @@ std::vector<std::uint32_t> ids_up_to(std::size_t count) {
     return ids;
 }
 
-/// The same tree in another numbering, with nodes in between that lead astray whoever reads them.
+/// The same tree in another numbering, with misleading nodes in between.
 Bvh renumbered(const Bvh& tree, std::uint32_t seed) {
     std::vector<std::uint32_t> pairs = ids_up_to(2 * tree.nodes.size());
     std::shuffle(pairs.begin() + 1, pairs.end(), std::mt19937(seed));
@@ -126,7 +126,7 @@ std::set<std::uint32_t> ids_below(const Bvh& tree, const Node& node) {
     return left;
 }
 
-/// What the subtree costs in each of the ways to cut it.
+/// Costs of the subtree for each way to cut it.
 std::vector<double> costs_of_all_cuts(const Bvh& tree, const Node& node, const CollapseConfig& config) {
     if (node.is_leaf()) return {double{config.primitive_cost} * node.count * area(node)};
     std::vector<double> costs;

@@ -1,5 +1,5 @@
-// What every host builder of the registry keeps: a valid tree, the same bytes every time and on any number of threads,
-// on every generated scene at small and large sizes, and on the inputs that are hardest for it. No device is needed.
+// Contract of every host builder: a valid tree, the same bytes every time and on any number of threads, on every
+// generated scene at small and large sizes, and on the inputs that are hardest for it. No device is needed.
 #include <tbb/global_control.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// What rebuilding must reach: the greedy top-down tree where the whole is built anew, and no less where only parts are.
+// Quality that rebuilding must reach: the greedy top-down tree where the whole is built anew, and no less where only
+// parts are.
 #include "clbvh/optimize/rebuild.hpp"
 
 #include <catch2/catch.hpp>

@@ -14,7 +14,7 @@
 
 namespace clbvh::test {
 
-/// What rays find, and what it costs.
+/// Hits of rays, and their cost.
 struct Found {
     std::vector<Hit> hits;
     std::vector<std::uint8_t> is_hit;
@@ -25,13 +25,13 @@ struct Found {
 
 [[nodiscard]] Found found_by_host(const Bvh& bvh, const Mesh& mesh, TriangleTest test, std::span<const Ray> rays);
 
-/// In the scene that was set. Also checks that nothing changes where nobody counts.
+/// In the scene that was set. Also checks that nothing changes where nothing is counted.
 [[nodiscard]] Found found_by_device(DeviceTracer& tracer, std::span<const Ray> rays);
 
 /// Checks that both are the same: bit for bit where the device can do that, else but for the rays that run along edges.
 void check_same(const Found& found, const Found& expected);
 
-/// Rays of all kinds, `each` of every kind, also such that are none.
+/// Rays of all kinds, `each` of every kind, invalid ones among them.
 [[nodiscard]] std::vector<Ray> rays_for(const Mesh& mesh, std::size_t each = 100);
 
 [[nodiscard]] DeviceTracerOptions tracer_options(Shape shape, TriangleTest test = TriangleTest::watertight);

@@ -23,7 +23,7 @@ void allow_buffers(long allowed);
 /// Lets all be made again.
 void allow_buffers();
 
-/// What `body` called.
+/// The calls that `body` made.
 template <typename Body>
 [[nodiscard]] OpenClCalls opencl_calls_of(Body&& body) {
     const OpenClCalls before = opencl_calls();

@@ -28,8 +28,8 @@ struct PublishedScene {
     std::array<double, kPublishedBuilders> lcv;
 };
 
-/// What Aila, Karras and Laine measured on a GTX680: "On Quality Metrics of Bounding Volume Hierarchies", 2013, table 1
-/// and, from the tenth on, table 3.
+/// Measurements of Aila, Karras and Laine on a GTX680: "On Quality Metrics of Bounding Volume Hierarchies", 2013, table
+/// 1 and, from the tenth on, table 3.
 inline constexpr std::array<PublishedScene, 22> kPublishedScenes{{
     {"CONFERENCE",
      {{111.36, 69.01, 56.85, 58.41, 55.9, 68.07, 55.16, 59.31, 55.01}, 0.992, 0.999, 0.42, 0.999, 0.41, 0.03},

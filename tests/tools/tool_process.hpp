@@ -9,7 +9,7 @@
 
 namespace clbvh::test {
 
-/// What a run of the command left behind.
+/// Result of a run of the command.
 struct Outcome {
     int exit_code = 0;  ///< Minus the signal's number where one ended the process.
     std::string out;    ///< Standard output.

@@ -1,4 +1,4 @@
-// What rays cost: against a recursive second implementation, and against the SAH, which predicts it.
+// Cost of rays: against a recursive second implementation, and against the SAH, which predicts it.
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>

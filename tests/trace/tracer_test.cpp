@@ -21,7 +21,8 @@ struct Tree {
     Bvh bvh;
 };
 
-/// What every host builder makes of the mesh, with leaves of one and of several triangles, and with split triangles.
+/// The trees of every host builder over the mesh, with leaves of one and of several triangles, and with split
+/// triangles.
 std::vector<Tree> host_trees(const Mesh& mesh) {
     std::vector<Tree> trees;
     for (const BuilderInfo& info : builders()) {

@@ -15,7 +15,7 @@ enum class LeafMerging : unsigned char {
 
 /// One of the nine ways to a tree that Aila, Karras and Laine 2013 compare in table 1.
 struct NineBuilder {
-    std::string_view id;          ///< What users type.
+    std::string_view id;          ///< The name that users type.
     std::string_view title;       ///< In the paper's table.
     std::string_view builder;     ///< An id of builders().
     std::string_view optimizers;  ///< As BuildOptions::optimizers.

@@ -13,7 +13,7 @@
 
 namespace clbvh::tool {
 
-/// What `clbvh table` does with each scene.
+/// The work of `clbvh table` for each scene.
 struct NineSettings {
     std::vector<NineBuilder> builders;
     NineTreeSettings trees;

@@ -22,7 +22,7 @@ struct EmbreeReleaser {
 template <typename Handle, auto Release>
 using EmbreeHandle = std::unique_ptr<std::remove_pointer_t<Handle>, EmbreeReleaser<Release>>;
 
-/// What Embree has allocated, as its memory monitor reports it.
+/// Bytes that Embree has allocated, as its memory monitor reports it.
 class EmbreeMemory {
 public:
     /// This object outlives the device, and stays where it is.

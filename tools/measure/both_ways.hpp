@@ -13,7 +13,7 @@ namespace clbvh::tool {
 
 class RoundsProgress;
 
-/// What rays cost with trees, both ways: as engines go where nothing is counted, eight children at a time, and through
+/// Cost of rays with trees, both ways: as engines go where nothing is counted, eight children at a time, and through
 /// the trees' own nodes (CountingEngine). All take their turns in the same rounds.
 class BothWays {
 public:

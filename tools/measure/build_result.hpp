@@ -30,7 +30,7 @@ struct OptionsInUse {
     float split_quota = 0.0f;
 };
 
-/// What one builder did on one scene: in one run, or over the runs of a benchmark.
+/// Result of one builder on one scene: in one run, or over the runs of a benchmark.
 struct BuildResult {
     std::string scene;
     std::uint64_t triangles = 0;

@@ -13,7 +13,7 @@
 namespace clbvh::tool {
 namespace {
 
-/// What a set is asked, and the answers: a hit each or, where any hit will do, whether there is one.
+/// Queries of a set, and the answers: a hit each or, where any hit will do, whether there is one.
 class Answers {
 public:
     explicit Answers(const RaySet& set) : set_(set) {

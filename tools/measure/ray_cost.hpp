@@ -21,7 +21,7 @@ struct RaySet {
     std::vector<Ray> rays;
 };
 
-/// What a set of rays costs with one tree. Means over all rays; 0 where there are none.
+/// Cost of a set of rays with one tree. Means over all rays; 0 where there are none.
 struct RayCost {
     std::uint64_t ray_count = 0;
     std::uint64_t hits = 0;

@@ -12,7 +12,7 @@
 
 namespace clbvh::tool {
 
-/// What traces rays through one tree: the host, or an OpenCL device. The hits are the same.
+/// A tracer of rays through one tree: the host, or an OpenCL device. The hits are the same.
 class RayEngine {
 public:
     RayEngine() = default;
@@ -27,7 +27,7 @@ public:
     virtual void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) = 0;
     /// 1 or 0 each.
     virtual void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) = 0;
-    /// What the rays would visit if nothing ended them. Throws Error(unsupported) on a device.
+    /// Counts of what the rays would visit if nothing ended them. Throws Error(unsupported) on a device.
     virtual void visits(std::span<const Ray> rays, std::span<RayCounts> counts) = 0;
 };
 

@@ -5,7 +5,7 @@
 
 namespace clbvh::tool {
 
-/// What is reported of repeated measurements.
+/// Statistics of repeated measurements.
 struct Sample {
     double median = 0.0;
     double min = 0.0;

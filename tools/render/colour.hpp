@@ -16,7 +16,7 @@ namespace clbvh::tool {
     return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
 
-/// What `modulated` with `b` makes `a` of; `b` has no zeros.
+/// The colour that `modulated` with `b` turns into `a`; `b` has no zeros.
 [[nodiscard]] constexpr Vec3 demodulated(const Vec3& a, const Vec3& b) noexcept {
     return {a.x / b.x, a.y / b.y, a.z / b.z};
 }

@@ -11,7 +11,8 @@ namespace clbvh::tool {
 struct LitPicture {
     Picture light;
     std::vector<float> variance;  ///< Of each pixel's brightness, the albedo divided out, as a mean of samples.
-    Picture albedo;    ///< What the surface does to colours; ones for the sky and for a ground that is not the mesh's.
+    Picture albedo;    ///< Factors by which the surface scales colours; ones for the sky and for a ground that is not
+                       ///< the mesh's.
     Picture normal;    ///< Of the surface; zero for the sky.
     Picture position;  ///< Of the surface.
     std::vector<std::uint8_t> is_surface;  ///< 1 or 0 each.

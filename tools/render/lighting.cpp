@@ -17,7 +17,7 @@ namespace {
 
 constexpr float kEndless = std::numeric_limits<float>::infinity();
 
-/// What the camera sees in a small picture.
+/// The camera's view as a small picture.
 struct SeenPoints {
     std::vector<SurfacePoint> points;
     std::vector<Ray> rays;

@@ -17,7 +17,7 @@ struct Lamp {
     float intensity = 0.0f;  ///< Light by the square of the distance.
 };
 
-/// What lights a scene: a sky, a sun and lamps.
+/// The lights of a scene: a sky, a sun and lamps.
 struct Lighting {
     Vec3 up{0.0f, 1.0f, 0.0f};
     float sunny_share = 1.0f;     ///< About how much of what is seen the sun reaches.

@@ -32,7 +32,7 @@ struct Path {
     std::uint32_t pixel = 0;
 };
 
-/// What a surface sends a light's way, if nothing is between.
+/// A ray to a light, and what the light adds to the pixel if nothing is between.
 struct LightRay {
     Ray ray;
     Vec3 light;
@@ -45,7 +45,7 @@ struct Surface {
     Vec3 normal;          ///< Of the triangle.
     Vec3 shading_normal;  ///< Of the surface that it stands for.
     Vec3 albedo;
-    Vec3 own_colour{1.0f, 1.0f, 1.0f};  ///< What of the albedo is the mesh's.
+    Vec3 own_colour{1.0f, 1.0f, 1.0f};  ///< The mesh's part of the albedo.
 };
 
 /// The paths of one sample of all pixels, from bounce to bounce.
@@ -82,7 +82,7 @@ public:
         const Vec3& l = light_[pixel];
         return min(l, {kBrightest, kBrightest, kBrightest});
     }
-    /// What the pixel's path met first; a normal of zeros where that was the sky.
+    /// First hit of the pixel's path; a normal of zeros where that was the sky.
     [[nodiscard]] const Surface& first_surface(std::size_t pixel) const { return first_[pixel]; }
 
 private:
@@ -125,7 +125,7 @@ private:
         }
     }
 
-    /// What the path meets; where that is the sky, takes its light.
+    /// Finds the path's next hit; where that is the sky, takes its light.
     std::optional<Surface> surface_at(const Path& path, const Hit& hit, std::uint32_t bounce) {
         const float ground = distance_to_ground(path.ray);
         if (hit && hit.t <= ground) {
@@ -203,7 +203,7 @@ private:
     std::vector<std::uint8_t> is_hit_;
 };
 
-/// What the samples of all pixels add up to.
+/// Sums of the samples of all pixels.
 class SampleSums {
 public:
     SampleSums(std::uint32_t width, std::uint32_t height)

@@ -14,7 +14,7 @@
 
 namespace clbvh::tool {
 
-/// What all kinds of pictures are made with.
+/// Arguments of all kinds of pictures.
 struct RenderSettings {
     std::uint32_t width = 1280;
     std::uint32_t height = 720;

@@ -31,8 +31,8 @@ private:
 /// is pressed together, not cut off.
 [[nodiscard]] Vec3 tone_mapped(const Vec3& light, float exposure);
 
-/// What to expose a picture of light by, from those of its pixels that `counts` marks with 1, or all where it marks
-/// none: their geometric mean becomes a middle grey.
+/// The exposure of a picture of light, from those of its pixels that `counts` marks with 1, or all where it marks none:
+/// their geometric mean becomes a middle grey.
 [[nodiscard]] float fitting_exposure(const Picture& light, const std::vector<std::uint8_t>& counts);
 
 /// The bytes of a PNG file of pixels that are 0 to 1 in sRGB, 8 bits a colour.

@@ -25,7 +25,7 @@ enum class RenderMode : std::uint8_t {
 /// "normal", "ao", "path", "heat-nodes", "heat-leaves"
 [[nodiscard]] std::string_view to_string(RenderMode mode);
 [[nodiscard]] std::optional<RenderMode> render_mode_from(std::string_view name);
-/// Samples of a pixel where nobody says otherwise.
+/// Default samples of a pixel.
 [[nodiscard]] std::uint32_t usual_samples(RenderMode mode);
 
 /// True for pictures of what a tree costs; all others do not depend on the tree.

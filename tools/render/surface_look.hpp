@@ -7,8 +7,8 @@
 
 namespace clbvh::tool {
 
-/// How the surfaces of a mesh look, which says nothing of that itself: round where triangles meet at flat angles, and
-/// in muted colours, one for each part of the mesh that hangs together. Large parts are light; their floors are darker.
+/// How the surfaces of a mesh look, which has no materials itself: round where triangles meet at flat angles, and in
+/// muted colours, one for each connected part of the mesh. Large parts are light; their floors are darker.
 class SurfaceLook {
 public:
     SurfaceLook(const Mesh& mesh, const Vec3& up);

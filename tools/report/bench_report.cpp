@@ -17,7 +17,7 @@
 namespace clbvh::tool {
 namespace {
 
-// What the others are compared with, in time and in worth: the first of these that ran.
+// Baseline of the others, in time and in quality: the first of these that ran.
 using Baselines = std::array<std::string_view, 2>;
 constexpr Baselines kTimeBaselines{"ploc", "binned-sah"};
 constexpr Baselines kSahBaselines{"binned-sah", "ploc"};

@@ -27,7 +27,7 @@ std::string stage_table(const BuildResult& result) {
     return table.text();
 }
 
-/// What is the builder's own to say: where and how it ran.
+/// The builder's own part: where and how it ran.
 std::string builder_line(const BuildResult& result) {
     if (result.kind == BuilderKind::host) {
         return fmt::format("{}, on the host, {}", result.builder, threads_text(result.threads));

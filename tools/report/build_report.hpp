@@ -10,8 +10,8 @@
 
 namespace clbvh::tool {
 
-/// What `build` tells people: a line for each thing worth knowing, and the table of stages. `output` is the
-/// file that the tree was written to; empty where it was not.
+/// The report of `build`: a line for each thing worth knowing, and the table of stages. `output` is the file that the
+/// tree was written to; empty where it was not.
 [[nodiscard]] std::string build_report(const std::optional<Context>& context, const SceneArguments& loading,
                                        const BuildResult& result, double load_ms, std::string_view output);
 

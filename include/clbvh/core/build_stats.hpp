@@ -8,7 +8,7 @@
 
 namespace clbvh {
 
-/// What one stage of a build cost.
+/// Cost of one stage of a build.
 struct StageStats {
     std::string name;        ///< Device builders: "bounds", "morton", "sort", "cluster", "layout". Around any builder:
                              ///< "presplit", "download", "collapse".
@@ -19,7 +19,7 @@ struct StageStats {
                                     ///< array once a pass, whatever caches save or gathers waste. 0: not counted.
 };
 
-/// What a build cost, and what it did.
+/// Cost and results of a build.
 struct BuildStats {
     std::vector<StageStats> stages;
     double build_ms = 0.0;         ///< Wall time from device-resident input to device-resident finished tree.

@@ -22,7 +22,7 @@ struct Ray {
 };
 static_assert(sizeof(Ray) == 32);
 
-/// What Hit::primitive is where nothing was hit.
+/// Hit::primitive where nothing was hit.
 inline constexpr std::uint32_t kNoPrimitive = 0xFFFFFFFFU;
 
 /// Where a ray meets a triangle; 16 bytes, the same on host and device. The point is
@@ -38,7 +38,7 @@ struct Hit {
 };
 static_assert(sizeof(Hit) == 16);
 
-/// What one ray cost; 16 bytes, the same on host and device.
+/// Cost of one ray; 16 bytes, the same on host and device.
 struct RayCounts {
     std::uint32_t inner_nodes = 0;  ///< Inner nodes visited: each tests the boxes of its two children.
     std::uint32_t leaves = 0;       ///< Leaves visited.

@@ -15,7 +15,7 @@ struct OptimizeBudget {
                                 ///< returns false the optimiser stops, and returns the tree as improved so far.
 };
 
-/// What an optimiser did.
+/// Statistics of an optimiser's run.
 struct OptimizeStats {
     std::uint32_t passes = 0;   ///< Passes that were finished.
     std::uint64_t changes = 0;  ///< Nodes moved, pairs exchanged or treelets restructured. Each lowered

@@ -65,8 +65,8 @@ void OwnMemory::reserve(Session& session, const MemoryPlan& plan) {
     check_allocations(session, plan);
     with_opencl_errors("memory for " + std::to_string(plan.primitives) + " primitives", [&] {
         if (!is_within(plan, capacity_)) {
-            // What is too small goes first, so that old and new are never alive together; after a failure nothing is
-            // held.
+            // Buffers that are too small go first, so that old and new are never alive together; after a failure
+            // nothing is held.
             const MemoryPlan grown = larger_of(capacity_, plan);
             *this = OwnMemory{};
             memory_ = allocate(session, grown);

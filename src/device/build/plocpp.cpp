@@ -78,7 +78,7 @@ private:
 
     void book(std::uint32_t clusters, std::uint32_t remaining) {
         job_.launcher.count_iteration(clusters);
-        // What stands after the merges is written, read and compacted.
+        // The clusters left by the merges are written, read and compacted.
         job_.launcher.count_bytes(round_bytes(clusters, clusters - remaining, 4 + 4) + 4 * std::uint64_t{remaining});
     }
 

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the processor can do, as Linux lists it: CPU drivers compile for it, and home folders are shared.
+/// The processor's features, as Linux lists them: CPU drivers compile for it, and home folders are shared.
 std::string processor_flags() {
     std::ifstream file("/proc/cpuinfo");
     for (std::string line; std::getline(file, line);) {

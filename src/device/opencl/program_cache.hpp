@@ -25,7 +25,8 @@ inline constexpr std::string_view kPoclPlatform = "Portable Computing Language";
 /// Throws Error(invalid_input) for another value of the variable.
 [[nodiscard]] std::optional<ProgramStore> program_store_for(const DeviceInfo& info, ProgramCaching caching);
 
-/// What was built for one device, between processes. Nothing fails: what cannot be loaded is built from source.
+/// Programs built for one device, kept between processes. Nothing fails: a program that cannot be loaded is built from
+/// source.
 class ProgramCache {
 public:
     ProgramCache() = default;  ///< Keeps nothing.

@@ -35,7 +35,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 32);
 
-/// What stands before a binary in its file.
+/// Header of a binary's file.
 std::string prefix_of(std::string_view key, std::string_view binary) {
     Header header;
     header.key_bytes = static_cast<std::uint32_t>(key.size());
@@ -46,7 +46,7 @@ std::string prefix_of(std::string_view key, std::string_view binary) {
     return prefix.append(key);
 }
 
-/// An open file, closed at the end; closing may fail, which only close() tells.
+/// An open file, closed at the end; closing may fail, which only close() reports.
 class File {
 public:
     explicit File(int descriptor) : descriptor_(descriptor) {}

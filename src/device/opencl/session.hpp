@@ -41,7 +41,7 @@ public:
     [[nodiscard]] const cl::CommandQueue& queue() const noexcept { return queue_; }
     [[nodiscard]] bool profiles() const noexcept { return profiles_; }
 
-    /// What stands in for automatic options.
+    /// Values that replace automatic options.
     [[nodiscard]] const FoundProfile& profile() const noexcept { return profile_; }
 
     /// Builds those of the programs that are not there yet, on several threads. Files of one group can be one program:

@@ -17,7 +17,7 @@ constexpr float kExtentWeight = 0.25f;
 /// Ranges from this size on are split by two tasks, which may go on in parallel.
 constexpr std::size_t kParallelRange = 4096;
 
-/// What a range is split along.
+/// A centroid's or a box's extent's coordinate, by which a range is split.
 struct Coordinate {
     std::size_t axis;
     bool is_extent;

@@ -11,7 +11,7 @@
 namespace clbvh::host {
 namespace {
 
-/// What lies below an inner node that stays one, to be written.
+/// The subtree of an inner node that stays one, to be written.
 struct Job {
     const Node* root;
     std::uint32_t pair;  ///< Where its pairs begin in the result.

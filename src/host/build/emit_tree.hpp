@@ -7,7 +7,7 @@
 
 namespace clbvh::host {
 
-/// What lies below one inner node.
+/// Sizes of the subtree below one inner node.
 struct Extent {
     std::uint32_t pairs;       ///< Sibling pairs; 0: the inner node is to be flattened into a leaf.
     std::uint32_t primitives;  ///< Primitive ids of all its leaves.
@@ -20,12 +20,12 @@ inline constexpr std::uint32_t kMaxFlattenedIds = 256;
 struct TreeSlots {
     std::span<const Node> nodes;                   ///< The root is 0; pairs begin at even indices from 2.
     std::span<const Extent> extents;               ///< extents[p]: below the parent of the pair in nodes 2p and 2p + 1.
-    std::span<const std::uint32_t> primitive_ids;  ///< What the leaves' ranges refer to.
+    std::span<const std::uint32_t> primitive_ids;  ///< The leaves' ranges refer to these.
     /// Where given, a leaf's ids are no range but a chain of places: behind `first` comes next_ids[first], and so on.
     std::span<const std::uint32_t> next_ids = {};
 };
 
-/// What lies below `node`, an inner node or a leaf.
+/// Sizes of the subtree below `node`, an inner node or a leaf.
 [[nodiscard]] inline Extent extent_of(const Node& node, std::span<const Extent> extents) noexcept {
     return node.is_leaf() ? Extent{0, node.count} : extents[node.first / 2];
 }

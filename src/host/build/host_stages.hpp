@@ -16,12 +16,12 @@ public:
     explicit HostStages(const ProgressCallback& progress);
 
     /// Ends the stage before. The new one takes the build from fraction `from` to `to` in `work` units, at least 1.
-    /// Throws Error(cancelled) where the callback says no. Not while tasks run.
+    /// Throws Error(cancelled) where the callback returns false. Not while tasks run.
     void begin(std::string_view name, double from, double to, std::uint64_t work = 1);
 
     /// Books `work` units of the stage as done, from any thread. Throws Error(cancelled) on every thread once the
-    /// callback, which only the thread that made this object calls, has said no. Cheap: tasks call it at every piece of
-    /// work that takes some microseconds.
+    /// callback, which only the thread that made this object calls, has returned false. Cheap: tasks call it at every
+    /// piece of work that takes some microseconds.
     void advance(std::uint64_t work);
 
     /// Ends the last stage and returns the times.

@@ -8,7 +8,7 @@
 
 namespace clbvh::host {
 
-/// What lies to the left and to the right of a split.
+/// References to the left and to the right of a split.
 using Sides = std::array<Bounds, 2>;
 
 /// Copies the lefts of `range` to `left` ascending and its rights to below `right` descending, without a branch on the

@@ -12,7 +12,7 @@ std::array<float, 3> array_of(const Vec3& v) noexcept {
     return {v.x, v.y, v.z};
 }
 
-/// As many levels as leave each cell four times as wide as what floats can tell apart there.
+/// As many levels as leave each cell four times as wide as the spacing of floats there.
 std::uint32_t count_levels(float begin, float end) noexcept {
     const double largest = std::max(std::abs(double{begin}), std::abs(double{end}));
     const double step = std::max(largest * 0x1p-23, double{std::numeric_limits<float>::denorm_min()});

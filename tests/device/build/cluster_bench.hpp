@@ -8,7 +8,7 @@
 
 namespace clbvh::test {
 
-/// What a cluster stage left: every sibling pair but the root's, and the root's reference.
+/// Result of a cluster stage: every sibling pair but the root's, and the root's reference.
 struct ClusterResult {
     std::vector<Node> nodes;           ///< 2 for each leaf; bytes 0xff where the stage wrote nothing.
     std::uint32_t root_reference = 0;  ///< See kernels/core/node.clh.

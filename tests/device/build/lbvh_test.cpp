@@ -1,5 +1,5 @@
-// What is special about LBVH: the tree follows from the codes alone, however uneven they are, and wherever the lane
-// shape cuts them into pieces.
+// Properties of LBVH: the tree follows from the codes alone, however uneven they are, and wherever the lane shape cuts
+// them into pieces.
 #include <algorithm>
 #include <catch2/catch.hpp>
 

@@ -41,7 +41,7 @@ void launch_numbering(Launcher& launcher, const cl::Buffer& out, std::uint32_t g
                     (kCount + groups - 1) / groups, out);
 }
 
-/// A progress callback that keeps what it hears and says no after some calls.
+/// A progress callback that records its calls and returns false after some.
 struct Listener {
     std::vector<std::pair<std::string, double>> heard;
     std::size_t allowed = 1000;

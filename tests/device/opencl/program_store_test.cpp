@@ -213,7 +213,7 @@ TEST_CASE("program store: the files used longest ago go first, and no file that 
         std::ofstream(folder.path("cache") / name) << binary_of(4000);
         fs::last_write_time(folder.path("cache") / name, fs::file_time_type::min());
     }
-    // What a process that was killed left behind.
+    // Files that a killed process left behind.
     const fs::path left_behind = folder.path("cache") / "0123456789abcdef.program.AbCdEf";
     std::ofstream(left_behind) << binary_of(1000);
     fs::last_write_time(left_behind, fs::file_time_type::clock::now() - std::chrono::hours(48));

@@ -1,4 +1,4 @@
-// What a chain of optimisers makes of its options on one device: the shape that its local memory is enough for.
+// Resolution of the options of a chain of optimisers on one device: the shape that its local memory is enough for.
 #include "device/tree/optimize.hpp"
 
 #include <catch2/catch.hpp>

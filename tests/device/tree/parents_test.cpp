@@ -1,4 +1,4 @@
-// The way up: each sibling pair in use names the slot of its parent, in both shapes.
+// Parent links: each sibling pair in use names the slot of its parent, in both shapes.
 #include "device/tree/parents.hpp"
 
 #include <catch2/catch.hpp>
@@ -51,7 +51,7 @@ TEST_CASE("parents: of device trees, whose size may be known on the device alone
         std::vector<Node> nodes = make_builder("lbvh").build(random_triangles(count)).nodes;
         expect_parents(nodes, 0);
         const auto active = static_cast<std::uint32_t>(count);
-        // What lies behind the nodes in use looks like a node, and is none.
+        // Memory behind the nodes in use looks like a node, but is not one.
         nodes.resize(nodes.size() + 200, Node{{0, 0, 0}, 2, {1, 1, 1}, 0});
         expect_parents(nodes, active);
     }

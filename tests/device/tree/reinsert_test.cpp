@@ -90,7 +90,7 @@ std::vector<std::pair<Bvh, Mesh>> some_trees() {
     }
     const Mesh mesh = random_triangles(700);
     trees.emplace_back(chain_tree(mesh), mesh);
-    // A tree that knows nothing of where its triangles are, so that nearly all of them want to move, and across.
+    // A tree built without regard to where its triangles are, so that nearly all of them want to move, and across.
     const Mesh elsewhere = random_triangles(3000, 2);
     trees.emplace_back(make_builder("lbvh").build(random_triangles(3000, 1)), elsewhere);
     refit(trees.back().first, elsewhere);
@@ -208,7 +208,7 @@ TEST_CASE("reinsert on devices: moves of one pass share no slot, keep the tree, 
                 steps.passes.end();
                 steps.passes.undo();
                 steps.passes.refit(true);
-                // What is kept from pass to pass is what a new beginning would find.
+                // State kept from pass to pass equals what a new start would compute.
                 const Bvh after = with_nodes(tree, steps.nodes());
                 CHECK(inner_area(after) <= inner_area(with_nodes(tree, before)));
                 const Steps fresh(after, shape);

@@ -32,7 +32,7 @@ struct RandomTree {
 
     [[nodiscard]] host::TreeSlots slots() const { return {nodes, extents, ids}; }
 
-    /// The same tree as a Bvh that nobody has emitted.
+    /// The same tree as a Bvh, without emit_tree.
     [[nodiscard]] Bvh as_it_lies() const {
         Bvh bvh;
         bvh.nodes = nodes;
@@ -136,7 +136,7 @@ TEST_CASE("emission flattens the inner nodes that ask for it") {
     for (std::size_t pair = 1; pair < tree.extents.size(); ++pair) {
         if (tree.extents[pair].pairs > 0 && tree.extents[pair].primitives <= 9) tree.extents[pair].pairs = 0;
     }
-    // What lies above a flattened node has fewer pairs now: count again, children first.
+    // Nodes above a flattened one have fewer pairs now: count again, children first.
     const auto recount = [&](const auto& self, const Node& node) -> std::uint32_t {
         if (node.is_leaf() || tree.extents[node.first / 2].pairs == 0) return 0;
         const std::uint32_t left = self(self, tree.nodes[node.first]);

@@ -38,7 +38,7 @@ std::vector<Point> clip(const std::vector<Point>& polygon, std::size_t axis, dou
     return result;
 }
 
-/// What a box covers of the polygon.
+/// The part of the polygon that a box covers.
 std::vector<Point> clip_to_box(std::vector<Point> polygon, const Aabb& box) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         polygon = clip(polygon, axis, to_point(box.lower)[axis], -1.0);

@@ -1,5 +1,5 @@
 // Far from the origin the boxes of cut parts are grown by a good part of their size, and cutting a part once more takes
-// some of that away again: trees are proven all the same, whoever cut the triangles first.
+// some of that away again: trees are proven all the same, whichever stage cut the triangles first.
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>

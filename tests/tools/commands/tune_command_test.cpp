@@ -26,7 +26,7 @@ ordered_json json_of(const std::vector<std::string>& words, const std::vector<st
     return ordered_json::parse(outcome.out);
 }
 
-/// Every knob has its own choice first, in all scenes, and one chosen value that the profile tells.
+/// Every knob has its own choice first, in all scenes, and one chosen value that the profile records.
 void check_tried(const ordered_json& tried, const ordered_json& profile) {
     REQUIRE(tried.size() >= 2);
     for (const ordered_json& knob : tried) {
