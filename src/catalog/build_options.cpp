@@ -16,6 +16,9 @@ struct Named {
     Enum value;
     std::string_view name;
 };
+// clang 14 deduces no arguments of an aggregate by itself.
+template <typename Enum>
+Named(Enum, std::string_view) -> Named<Enum>;
 
 constexpr std::array kShapes{
     Named{Shape::automatic, "auto"},

@@ -114,8 +114,8 @@ private:
 
     /// Closes the gaps.
     void reorder() {
-        const auto gaps = std::ranges::remove_if(clusters_, std::not_fn(is_alive));
-        clusters_ = {clusters_.begin(), gaps.begin()};
+        const auto end = std::remove_if(clusters_.begin(), clusters_.end(), std::not_fn(is_alive));
+        clusters_ = {clusters_.begin(), end};
         order_by_kd_tree(clusters_);
         index_clusters();
     }
