@@ -19,3 +19,10 @@ function(clbvh_precompile target)
     target_precompile_headers(${target} PRIVATE ${ARGN})
   endif()
 endfunction()
+
+# clbvh_join(TARGET NAME FILES...): FILES of the target are compiled as one. For rooms that take longer to parse than to
+# compile; no two of their files may define the same name, not even in anonymous namespaces.
+function(clbvh_join target name)
+  set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${name})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${CLBVH_UNITY} UNITY_BUILD_MODE GROUP)
+endfunction()

@@ -8,14 +8,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <span>
 
 namespace clbvh::tool {
 namespace {
-
-constexpr float kEndless = std::numeric_limits<float>::infinity();
 
 /// The camera's view as a small picture.
 struct SeenPoints {

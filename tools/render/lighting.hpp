@@ -3,6 +3,7 @@
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/core/ray.hpp>
 #include <clbvh/eval/camera.hpp>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -35,6 +36,8 @@ inline constexpr Vec3 kSunlight{7.2f, 6.6f, 5.6f};
 /// Radius of the sun's disc at distance 1: larger than the real one's, for softer shadows.
 inline constexpr float kSunRadius = 0.02f;
 inline constexpr Vec3 kLamplight{1.0f, 0.93f, 0.82f};
+/// How far rays reach that nothing ends.
+inline constexpr float kEndless = std::numeric_limits<float>::infinity();
 
 /// Chooses what suits the view. Where most of what the camera sees is open to the sky: the sun over the viewer's left
 /// shoulder, and a ground below the mesh. Indoors: a sun that shines in, where one can, and lamps below the ceiling.

@@ -7,7 +7,6 @@
 #include <clbvh/eval/surface.hpp>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -21,7 +20,6 @@ namespace {
 
 constexpr std::uint32_t kMostBounces = 5;
 constexpr std::uint32_t kRouletteFrom = 2;
-constexpr float kEndless = std::numeric_limits<float>::infinity();
 constexpr float kBrightest = 12.0f;  // of one path: a rare bright one would be a spot
 constexpr Vec3 kGroundAlbedo{0.50f, 0.48f, 0.45f};
 
