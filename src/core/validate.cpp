@@ -12,13 +12,10 @@
 
 #include "clbvh/core/error.hpp"
 #include "core/coverage.hpp"
+#include "core/tree_walk.hpp"
 
 namespace clbvh {
 namespace {
-
-std::string name_node(std::size_t node) {
-    return "node " + std::to_string(node);
-}
 
 std::string name_primitive(std::size_t primitive) {
     return "primitive " + std::to_string(primitive);
@@ -47,11 +44,6 @@ public:
 
 private:
     static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-
-    struct Visit {
-        std::uint32_t node;
-        std::uint32_t depth;
-    };
 
     /// Each step relies on what the steps before it have proven.
     std::string check() {
@@ -86,54 +78,23 @@ private:
     /// split, from two leaves neither.
     std::string walk() {
         order_.reserve(bvh_.nodes.size());
-        pair_reached_.assign(bvh_.nodes.size() / 2, false);
         leaf_of_primitive_.assign(mesh_.triangles.size(), kNone);
         if (bvh_.split_references) id_reached_.assign(bvh_.primitive_ids.size(), false);
-        pair_reached_[0] = true;
-        std::vector<Visit> stack{{0, 0}};
-        while (!stack.empty()) {
-            const Visit visit = stack.back();
-            stack.pop_back();
-            const Node& node = bvh_.nodes[visit.node];
-            order_.push_back(visit.node);
+        TreeWalk walk(bvh_);
+        while (walk.next()) {
+            order_.push_back(walk.node());
             ++report_.nodes;
-            report_.depth = std::max(report_.depth, visit.depth);
-            if (std::string fault = node.is_leaf() ? enter_leaf(visit.node) : enter_inner(visit.node); !fault.empty()) {
-                return fault;
-            }
-            if (node.is_leaf()) continue;
-            stack.push_back({node.first + 1, visit.depth + 1});
-            stack.push_back({node.first, visit.depth + 1});
+            report_.depth = std::max(report_.depth, walk.depth());
+            if (!bvh_.nodes[walk.node()].is_leaf()) continue;
+            if (std::string fault = enter_leaf(walk.node()); !fault.empty()) return fault;
         }
-        return {};
-    }
-
-    std::string name_children(std::size_t index) const {
-        const std::size_t first = bvh_.nodes[index].first;
-        return name_node(index) + ": its children " + std::to_string(first) + " and " + std::to_string(first + 1);
-    }
-
-    std::string enter_inner(std::size_t index) {
-        const std::uint32_t first = bvh_.nodes[index].first;
-        if (first % 2 != 0) return name_children(index) + " do not start at an even index";
-        if (std::size_t{first} + 1 >= bvh_.nodes.size()) {
-            return name_children(index) + " are out of range (there are " + std::to_string(bvh_.nodes.size()) +
-                   " nodes)";
-        }
-        if (pair_reached_[first / 2]) return name_children(index) + " have another parent, or are the root";
-        pair_reached_[first / 2] = true;
-        return {};
+        return walk.fault();
     }
 
     std::string enter_leaf(std::size_t index) {
         const Node& node = bvh_.nodes[index];
         ++report_.leaves;
-        const std::uint64_t end = std::uint64_t{node.first} + node.count;
-        if (end > bvh_.primitive_ids.size()) {
-            return name_node(index) + ": its primitive range ends at " + std::to_string(end) + ", but there are " +
-                   std::to_string(bvh_.primitive_ids.size()) + " primitive ids";
-        }
-        for (std::uint64_t slot = node.first; slot < end; ++slot) {
+        for (std::size_t slot = node.first; slot < std::size_t{node.first} + node.count; ++slot) {
             if (std::string fault = enter_reference(index, slot); !fault.empty())
                 return name_node(index) + ": " + fault;
         }
@@ -228,7 +189,6 @@ private:
     std::uint64_t inactive_ = 0;
     std::uint64_t primitives_reached_ = 0;
     std::vector<std::uint32_t> order_;              ///< Visited nodes in traversal order.
-    std::vector<bool> pair_reached_;                ///< One per sibling pair: has a parent.
     std::vector<std::uint32_t> leaf_of_primitive_;  ///< One per primitive: the last leaf that named it, or kNone.
     std::vector<bool> id_reached_;                  ///< One per primitive id: is in a leaf; of split references only.
 };

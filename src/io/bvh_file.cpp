@@ -12,6 +12,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "clbvh/core/mesh.hpp"
+#include "core/tree_walk.hpp"
 #include "io/input_file.hpp"
 #include "io/output_file.hpp"
 
@@ -115,48 +116,14 @@ private:
         }
     }
 
-    /// Walks every node that the root leads to. A pair that is reached twice is an error, so that no cycle remains.
+    /// No cycle remains, and no leaf leaves the ids.
     void check_tree(const Bvh& bvh) const {
-        if (bvh.nodes.empty()) {
-            if (!bvh.primitive_ids.empty()) fail("ids without nodes");
-            return;
-        }
+        if (bvh.nodes.empty() && !bvh.primitive_ids.empty()) fail("ids without nodes");
         if (bvh.nodes.size() > 1 && bvh.nodes[1] != Node{}) fail("node 1 is not an unused zero");
-        std::vector<bool> reached(bvh.nodes.size() / 2);
-        std::vector<std::uint32_t> open{0};
-        while (!open.empty()) {
-            const std::uint32_t index = open.back();
-            open.pop_back();
-            const Node& node = bvh.nodes[index];
-            if (node.is_leaf()) {
-                check_leaf(bvh, index);
-                continue;
-            }
-            check_children(bvh, index);
-            if (reached[node.first / 2]) fail_at(index, "reaches nodes that another node reaches");
-            reached[node.first / 2] = true;
-            open.push_back(node.first);
-            open.push_back(node.first + 1);
+        TreeWalk walk(bvh);
+        while (walk.next()) {
         }
-    }
-
-    void check_leaf(const Bvh& bvh, std::uint32_t index) const {
-        const Node& leaf = bvh.nodes[index];
-        if (std::uint64_t{leaf.first} + leaf.count > bvh.primitive_ids.size()) {
-            fail_at(index, "a leaf over " + std::to_string(leaf.count) + " ids from " + std::to_string(leaf.first) +
-                               ", of " + std::to_string(bvh.primitive_ids.size()));
-        }
-    }
-
-    void check_children(const Bvh& bvh, std::uint32_t index) const {
-        const std::uint32_t first = bvh.nodes[index].first;
-        if (first % 2 == 0 && first >= 2 && std::uint64_t{first} + 1 < bvh.nodes.size()) return;
-        fail_at(index, "children at " + std::to_string(first) + ", which is no pair of the " +
-                           std::to_string(bvh.nodes.size()) + " nodes");
-    }
-
-    [[noreturn]] void fail_at(std::uint32_t node, const std::string& what) const {
-        fail("node " + std::to_string(node) + ": " + what);
+        if (walk.failed()) fail(walk.fault());
     }
 
     [[noreturn]] void fail(const std::string& what) const {

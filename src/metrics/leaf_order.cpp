@@ -1,33 +1,19 @@
 #include "metrics/leaf_order.hpp"
 
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "clbvh/core/error.hpp"
+#include "core/tree_walk.hpp"
 
 namespace clbvh {
 namespace {
 
-[[noreturn]] void refuse(std::uint32_t node, const std::string& why) {
+[[noreturn]] void refuse(const std::string& fault) {
     throw Error(ErrorCode::invalid_input,
-                "node " + std::to_string(node) + ": " + why +
-                    "; this is no tree over this mesh: build one, or see what validate() says");
-}
-
-/// Throws unless what the node refers to is there.
-void check_node(const Bvh& bvh, std::uint32_t index, std::uint64_t triangle_count) {
-    const Node& node = bvh.nodes[index];
-    if (!node.is_leaf()) {
-        if (std::uint64_t{node.first} + 1 >= bvh.nodes.size()) refuse(index, "its children are out of range");
-        return;
-    }
-    if (std::uint64_t{node.first} + node.count > bvh.primitive_ids.size()) refuse(index, "its ids are out of range");
-    for (std::size_t slot = node.first; slot < std::size_t{node.first} + node.count; ++slot) {
-        if (bvh.primitive_ids[slot] >= triangle_count) {
-            refuse(index, "its primitive " + std::to_string(bvh.primitive_ids[slot]) + " is out of range");
-        }
-    }
+                fault + "; this is no tree over this mesh: build one, or see what validate() says");
 }
 
 }  // namespace
@@ -39,27 +25,22 @@ LeafOrder::LeafOrder(const Bvh& bvh, std::uint64_t triangle_count) {
 
 void LeafOrder::number_references(const Bvh& bvh, std::uint64_t triangle_count) {
     ranges_.resize(bvh.nodes.size());
-    std::vector<bool> is_met(bvh.nodes.size(), false);
-    std::vector<std::uint32_t> stack;
-    if (!bvh.empty()) stack.push_back(0);
-    while (!stack.empty()) {
-        const std::uint32_t index = stack.back();
-        stack.pop_back();
-        if (is_met[index]) refuse(index, "it has two parents, or is its own ancestor");
-        is_met[index] = true;
-        check_node(bvh, index, triangle_count);
-        nodes_.push_back(index);
-        const Node& node = bvh.nodes[index];
-        ranges_[index].begin = static_cast<std::uint32_t>(triangles_.size());
-        if (node.is_leaf()) {
-            const auto ids = std::span(bvh.primitive_ids).subspan(node.first, node.count);
-            triangles_.insert(triangles_.end(), ids.begin(), ids.end());
-            if (triangles_.size() > std::numeric_limits<std::uint32_t>::max()) refuse(index, "too many references");
-        } else {
-            stack.push_back(node.first + 1);
-            stack.push_back(node.first);
+    TreeWalk walk(bvh);
+    while (walk.next()) {
+        const Node& node = bvh.nodes[walk.node()];
+        nodes_.push_back(walk.node());
+        ranges_[walk.node()].begin = static_cast<std::uint32_t>(triangles_.size());
+        if (!node.is_leaf()) continue;
+        const auto ids = std::span(bvh.primitive_ids).subspan(node.first, node.count);
+        for (const std::uint32_t triangle : ids) {
+            if (triangle < triangle_count) continue;
+            refuse(name_node(walk.node()) + ": its primitive " + std::to_string(triangle) + " is out of range");
         }
+        triangles_.insert(triangles_.end(), ids.begin(), ids.end());
+        if (triangles_.size() > std::numeric_limits<std::uint32_t>::max())
+            refuse(name_node(walk.node()) + ": too many references");
     }
+    if (walk.failed()) refuse(walk.fault());
     // Children come behind their parent, the second one's subtree last.
     for (std::size_t i = nodes_.size(); i-- > 0;) {
         const std::uint32_t index = nodes_[i];

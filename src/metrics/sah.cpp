@@ -9,8 +9,10 @@
 #include <span>
 #include <vector>
 
+#include "clbvh/core/error.hpp"
 #include "core/exact_areas.hpp"
 #include "core/simd/prefetch.hpp"
+#include "core/tree_walk.hpp"
 #include "metrics/check_costs.hpp"
 #include "metrics/node_cost.hpp"
 
@@ -26,11 +28,14 @@ public:
     /// Of the pairs below and with the root's children. The parts that threads take, and the order in which these are
     /// added, depend on the tree alone.
     [[nodiscard]] double of_tree() const {
-        std::vector<std::uint32_t> pairs{nodes_[0].first};
+        std::vector<std::uint32_t> pairs;
+        open(nodes_[0].first, pairs);
         double sum = 0.0;
         std::size_t begin = 0;
-        while (begin < pairs.size() && pairs.size() - begin < kParts)
+        while (begin < pairs.size() && pairs.size() - begin < kParts) {
+            check_count(begin);
             sum += visit(pairs[begin++], pairs);
+        }
         const std::span<const std::uint32_t> roots = std::span(pairs).subspan(begin);
         std::vector<double> sums(roots.size());
         tbb::parallel_for(std::size_t{0}, roots.size(), [&](std::size_t i) { sums[i] = of_subtree(roots[i]); });
@@ -47,11 +52,12 @@ private:
     [[nodiscard]] double of_subtree(std::uint32_t root) const {
         std::vector<std::uint32_t> stack{root};
         double sum = 0.0;
-        while (!stack.empty()) {
+        for (std::size_t visited = 0; !stack.empty(); check_count(visited)) {
             std::array<std::uint32_t, kBatch> batch;
             const std::size_t count = std::min(stack.size(), kBatch);
             std::copy(stack.end() - static_cast<std::ptrdiff_t>(count), stack.end(), batch.begin());
             stack.resize(stack.size() - count);
+            visited += count;
             for (std::size_t i = 0; i < count; ++i)
                 sum += visit(batch[i], stack);
         }
@@ -65,10 +71,28 @@ private:
         if (!is_flat_) areas = exact_half_areas(Box4::of(siblings[0]), Box4::of(siblings[1]));
         for (const Node& node : siblings) {
             if (node.is_leaf()) continue;
-            prefetch(&nodes_[node.first]);
-            pairs.push_back(node.first);
+            open(node.first, pairs);
         }
         return areas[0] * node_cost(siblings[0], costs_) + areas[1] * node_cost(siblings[1], costs_);
+    }
+
+    void open(std::uint32_t first, std::vector<std::uint32_t>& pairs) const {
+        if (first % 2 != 0 || std::size_t{first} + 1 >= nodes_.size()) refuse();
+        prefetch(&nodes_[first]);
+        pairs.push_back(first);
+    }
+
+    /// Who meets more pairs than there are walks in a circle.
+    void check_count(std::size_t visited_pairs) const {
+        if (visited_pairs > nodes_.size() / 2) refuse();
+    }
+
+    /// Names the first offender of the whole tree, whichever thread has met one.
+    [[noreturn]] void refuse() const {
+        TreeWalk walk(nodes_);
+        while (walk.next()) {
+        }
+        throw Error(ErrorCode::invalid_input, walk.fault() + "; this is no tree: see what validate() says of it");
     }
 
     std::span<const Node> nodes_;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <string>
 
 #include "clbvh/core/error.hpp"
 #include "core/exact_areas.hpp"
+#include "core/tree_walk.hpp"
 
 namespace clbvh {
 namespace {
@@ -19,11 +19,6 @@ double shared_area(const Node& a, const Node& b) {
         if (!(shared.lower[axis] <= shared.upper[axis])) return 0.0;
     }
     return exact_half_area(shared);
-}
-
-[[noreturn]] void refuse(std::size_t node, const std::string& why) {
-    throw Error(ErrorCode::invalid_input,
-                "node " + std::to_string(node) + ": " + why + "; this is no tree: see what validate() says of it");
 }
 
 void count(std::vector<std::uint64_t>& histogram, std::size_t value) {
@@ -41,33 +36,23 @@ double TreeShape::mean_leaf_depth() const noexcept {
 }
 
 TreeShape tree_shape(const Bvh& bvh) {
-    struct Visit {
-        std::size_t node;
-        std::size_t depth;
-    };
     TreeShape shape;
     double overlap = 0.0;
-    std::vector<Visit> stack;
-    if (!bvh.empty()) stack.push_back({0, 0});
-    while (!stack.empty()) {
-        const auto [index, depth] = stack.back();
-        stack.pop_back();
-        if (++shape.nodes > bvh.nodes.size()) refuse(index, "more nodes are met than there are");
-        const Node& node = bvh.nodes[index];
+    TreeWalk walk(bvh);
+    while (walk.next()) {
+        ++shape.nodes;
+        const Node& node = bvh.nodes[walk.node()];
         if (node.is_leaf()) {
-            if (node.count > bvh.primitive_ids.size()) refuse(index, "it has more primitives than there are ids");
             ++shape.leaves;
             shape.references += node.count;
-            count(shape.leaves_by_depth, depth);
+            count(shape.leaves_by_depth, walk.depth());
             count(shape.leaves_by_size, node.count);
-            continue;
+        } else {
+            overlap += shared_area(bvh.nodes[node.first], bvh.nodes[node.first + 1]);
         }
-        const std::size_t first = node.first;
-        if (first + 1 >= bvh.nodes.size()) refuse(index, "its children are out of range");
-        overlap += shared_area(bvh.nodes[first], bvh.nodes[first + 1]);
-        stack.push_back({first + 1, depth + 1});
-        stack.push_back({first, depth + 1});
     }
+    if (walk.failed())
+        throw Error(ErrorCode::invalid_input, walk.fault() + "; this is no tree: see what validate() says of it");
     const double root_area = bvh.empty() ? 0.0 : exact_half_area(bvh.nodes[0]);
     shape.sibling_overlap = root_area > 0.0 ? overlap / root_area : 0.0;
     return shape;

@@ -290,7 +290,7 @@ TEST_CASE("children that start at an odd index are found") {
     const std::uint32_t inner = find_inner(tree.bvh);
     tree.bvh.nodes[inner].first |= 1u;
     expect_invalid(tree, "node " + std::to_string(inner) + ": its children");
-    expect_invalid(tree, "do not start at an even index");
+    expect_invalid(tree, "start at an odd index");
 }
 
 TEST_CASE("cycles and shared children are found") {

@@ -173,14 +173,16 @@ TEST_CASE("headers that lie are refused before memory is set aside") {
 }
 
 TEST_CASE("trees that would lead a traversal astray are refused") {
-    expect_refused_tree("node 0: children at 3", [](Bvh& bvh) { bvh.nodes[0].first = 3; });
-    expect_refused_tree("node 3: children at 0", [](Bvh& bvh) { bvh.nodes[3].first = 0; });
-    expect_refused_tree("node 3: children at 10", [](Bvh& bvh) { bvh.nodes[3].first = 10; });
-    expect_refused_tree("node 3: children at 4294967294", [](Bvh& bvh) { bvh.nodes[3].first = 0xFFFFFFFEU; });
-    expect_refused_tree("node 3: reaches nodes that another", [](Bvh& bvh) { bvh.nodes[3].first = 2; });
-    expect_refused_tree("reaches nodes that another", [](Bvh& bvh) { bvh.nodes[3].first = 8; });
-    expect_refused_tree("node 7: a leaf over 5 ids from 1", [](Bvh& bvh) { bvh.nodes[7] = leaf(1, 5); });
-    expect_refused_tree("node 6: a leaf", [](Bvh& bvh) { bvh.nodes[6] = leaf(0xFFFFFFFFU, 0xFFFFFFFFU); });
+    expect_refused_tree("node 0: its children 3 and 4 start at an odd index", [](Bvh& bvh) { bvh.nodes[0].first = 3; });
+    expect_refused_tree("node 3: its children 0 and 1 have another parent, or are the root",
+                        [](Bvh& bvh) { bvh.nodes[3].first = 0; });
+    expect_refused_tree("node 3: its children 10 and 11 are out of range", [](Bvh& bvh) { bvh.nodes[3].first = 10; });
+    expect_refused_tree("node 3: its children 4294967294", [](Bvh& bvh) { bvh.nodes[3].first = 0xFFFFFFFEU; });
+    expect_refused_tree("node 3: its children 2 and 3 have another parent", [](Bvh& bvh) { bvh.nodes[3].first = 2; });
+    expect_refused_tree("its children 8 and 9 have another parent", [](Bvh& bvh) { bvh.nodes[3].first = 8; });
+    expect_refused_tree("node 7: its primitive range ends at 6", [](Bvh& bvh) { bvh.nodes[7] = leaf(1, 5); });
+    expect_refused_tree("node 6: its primitive range ends at",
+                        [](Bvh& bvh) { bvh.nodes[6] = leaf(0xFFFFFFFFU, 0xFFFFFFFFU); });
     expect_refused_tree("id 2 names primitive 7 of 7", [](Bvh& bvh) { bvh.primitive_ids[2] = 7; });
     expect_refused_tree("node 1 is not", [](Bvh& bvh) { bvh.nodes[1] = leaf(0, 1); });
     expect_refused_tree("ids without nodes", [](Bvh& bvh) { bvh.nodes.clear(); });

@@ -262,11 +262,11 @@ TEST_CASE("EPO refuses what is no tree over the mesh, and no cost") {
         expect_error(ErrorCode::invalid_input, {part},
                      [&] { (void)end_point_overlap_sampled(sheets.bvh, sheets.mesh, 10); });
     };
-    refused("node 0: its children are out of range", [](TwoSheets& s) { s.bvh.nodes[0].first = 4; });
-    refused("node 0: its children are out of range", [](TwoSheets& s) { s.bvh.nodes[0].first = 0xFFFFFFFEU; });
-    refused("node 3: its ids are out of range", [](TwoSheets& s) { s.bvh.nodes[3].count = 2; });
+    refused("node 0: its children 4 and 5 are out of range", [](TwoSheets& s) { s.bvh.nodes[0].first = 4; });
+    refused("node 0: its children 4294967294", [](TwoSheets& s) { s.bvh.nodes[0].first = 0xFFFFFFFEU; });
+    refused("node 3: its primitive range ends at 3", [](TwoSheets& s) { s.bvh.nodes[3].count = 2; });
     refused("node 2: its primitive 2 is out of range", [](TwoSheets& s) { s.bvh.primitive_ids[0] = 2; });
-    refused("node 0: it has two parents", [](TwoSheets& s) { s.bvh.nodes[2] = inner({}, 0); });
+    refused("node 2: its children 0 and 1 have another parent", [](TwoSheets& s) { s.bvh.nodes[2] = inner({}, 0); });
     refused("triangle 1", [](TwoSheets& s) { s.mesh.triangles[1][2] = 6; });
     refused("coordinate", [](TwoSheets& s) { s.mesh.vertices[0].x = std::numeric_limits<float>::infinity(); });
     expect_error(ErrorCode::invalid_input, {"a primitive is -1"}, [&] {

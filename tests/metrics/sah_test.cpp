@@ -132,3 +132,42 @@ TEST_CASE("costs that are negative or not finite are rejected") {
     expect_rejected({std::numeric_limits<double>::quiet_NaN(), 1.0}, "an inner node is nan");
     expect_rejected({1.0, std::numeric_limits<double>::infinity()}, "a primitive is inf");
 }
+
+TEST_CASE("SAH cost refuses nodes that form no tree") {
+    const auto refused = [](const std::string& part, const auto& spoil) {
+        Bvh bvh = hand_made_tree();
+        spoil(bvh);
+        expect_error(ErrorCode::invalid_input, {part}, [&] { (void)sah_cost(bvh); });
+    };
+    refused("node 0: its children 6 and 7 are out of range", [](Bvh& bvh) { bvh.nodes[0].first = 6; });
+    refused("node 3: its children 6 and 7 are out of range", [](Bvh& bvh) { bvh.nodes[3].first = 6; });
+    refused("node 3: its children 4294967294", [](Bvh& bvh) { bvh.nodes[3].first = 0xFFFFFFFEU; });
+    refused("node 3: its children 3 and 4 start at an odd index", [](Bvh& bvh) { bvh.nodes[3].first = 3; });
+    refused("node 3: its children 2 and 3 have another parent", [](Bvh& bvh) { bvh.nodes[3].first = 2; });
+    refused("node 0: its children 0 and 1 have another parent", [](Bvh& bvh) { bvh.nodes[0].first = 0; });
+}
+
+TEST_CASE("SAH cost names the same node of a large tree on any number of threads") {
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 8);
+    const Bvh sound = lbvh_tree(morton_order(random_triangles(50000), MortonCode::xyz)).bvh;
+    Bvh out_of_range = sound, circle = sound;
+    for (std::uint32_t i = 40000; i < 60000; i += 100) {
+        if (sound.nodes[i].is_leaf()) continue;
+        out_of_range.nodes[i].first += 100000;
+        circle.nodes[i].first = i & ~1U;
+    }
+    for (const Bvh& bvh : {out_of_range, circle}) {
+        const auto message = [&]() -> std::string {
+            try {
+                (void)sah_cost(bvh);
+            } catch (const Error& error) {
+                return error.what();
+            }
+            return {};
+        };
+        const std::string expected = tbb::task_arena(1).execute(message);
+        CHECK(expected.starts_with("node "));
+        for (const int threads : {2, 4, 7})
+            CHECK(tbb::task_arena(threads).execute(message) == expected);
+    }
+}

@@ -93,8 +93,8 @@ TEST_CASE("describing a tree ends though the nodes are none") {
         spoil(bvh);
         expect_error(ErrorCode::invalid_input, {part}, [&] { (void)tree_shape(bvh); });
     };
-    refused("more nodes", [](Bvh& bvh) { bvh.nodes[4] = {{}, 0, {}, 0}; });
-    refused("node 0: its children are out of range", [](Bvh& bvh) { bvh.nodes[0].first = 6; });
-    refused("node 2: its children are out of range", [](Bvh& bvh) { bvh.nodes[2].first = 0xFFFFFFFEU; });
-    refused("node 3: it has more primitives", [](Bvh& bvh) { bvh.nodes[3].count = 0xFFFFFFFFU; });
+    refused("node 4: its children 0 and 1 have another parent", [](Bvh& bvh) { bvh.nodes[4] = {{}, 0, {}, 0}; });
+    refused("node 0: its children 6 and 7 are out of range", [](Bvh& bvh) { bvh.nodes[0].first = 6; });
+    refused("node 2: its children 4294967294", [](Bvh& bvh) { bvh.nodes[2].first = 0xFFFFFFFEU; });
+    refused("node 3: its primitive range ends at 4294967295", [](Bvh& bvh) { bvh.nodes[3].count = 0xFFFFFFFFU; });
 }

@@ -17,7 +17,8 @@ struct SahCosts {
 ///
 /// One walk over the nodes, a few milliseconds a million of them, in the calling task arena of oneTBB; the same bits on
 /// any number of threads. So it is cheap enough to ask after every change whether to build anew.
-/// Throws Error(invalid_input) for a negative or non-finite cost.
+/// Throws Error(invalid_input) for a negative or non-finite cost, and where children are out of range or the walk would
+/// not end, naming the node.
 [[nodiscard]] double sah_cost(const Bvh& bvh, const SahCosts& costs = {});
 
 }  // namespace clbvh

@@ -1,16 +1,17 @@
 #include "clbvh/device/device_optimizer.hpp"
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "catalog/optimizer_rows.hpp"
 #include "clbvh/core/error.hpp"
 #include "core/memory_errors.hpp"
+#include "core/tree_walk.hpp"
 #include "device/api/caller_input.hpp"
 #include "device/api/caller_tree.hpp"
 #include "device/opencl/device_memory.hpp"
-#include "device/tree/nodes_in_use.hpp"
 #include "device/tree/optimize.hpp"
 
 namespace clbvh {
@@ -25,6 +26,15 @@ void check_fits(const device::Session& session, std::uint32_t node_count, std::u
                                             info.name + ": it takes " + std::to_string(bytes) +
                                             " bytes at once, and the device allocates at most " +
                                             std::to_string(info.max_allocation_bytes) + "; optimize it on the host");
+}
+
+/// Whether the nodes 2 * p and 2 * p + 1 belong to the tree, for each p; the root's pair does.
+std::vector<bool> pairs_in_use(const Bvh& tree) {
+    TreeWalk walk{std::span<const Node>(tree.nodes)};
+    while (walk.next()) {
+    }
+    if (walk.failed()) throw Error(ErrorCode::invalid_input, "the nodes form no tree: " + walk.fault());
+    return std::move(walk).take_pairs();
 }
 
 /// The nodes as a device takes them: zero where none is in use.
@@ -121,7 +131,7 @@ void DeviceOptimizer::enqueue(cl_command_queue queue, const DeviceNodes& tree, c
 
 Bvh DeviceOptimizer::optimize(Bvh tree) {
     return with_memory_errors("a copy of the tree", [&] {
-        const std::vector<bool> in_use = device::pairs_in_use(tree);
+        const std::vector<bool> in_use = pairs_in_use(tree);
         if (tree.empty() || tree.nodes[0].is_leaf()) return std::move(tree);
         std::vector<Node> nodes = without_strays(tree, in_use);
         state_->run(nodes);

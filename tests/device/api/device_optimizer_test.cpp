@@ -170,9 +170,9 @@ TEST_CASE("device optimizers: nodes that form no tree are named") {
         tree.nodes[0].first = first;
         expect_error(ErrorCode::invalid_input, words, [&] { static_cast<void>(optimizer.optimize(tree)); });
     };
-    expect_refused({"node 0", "children at 3", "odd"}, 3);
-    expect_refused({"node 0", "children at 40", "there are 40 nodes"}, 40);
-    expect_refused({"node 0", "children at 0", "another parent or are the root"}, 0);
+    expect_refused({"node 0", "children 3 and 4", "odd"}, 3);
+    expect_refused({"node 0", "children 40 and 41", "there are 40 nodes"}, 40);
+    expect_refused({"node 0", "children 0 and 1", "another parent, or are the root"}, 0);
 }
 
 TEST_CASE("device optimizers: a tree on the device becomes what the host's copy becomes, and nothing is waited for") {
