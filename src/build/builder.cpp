@@ -1,9 +1,7 @@
 #include "clbvh/builder.hpp"
 
-#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include <algorithm>
 #include <optional>
 
 #include "build/backend.hpp"
@@ -13,6 +11,7 @@
 #include "clbvh/core/error.hpp"
 #include "clbvh/optimizers.hpp"
 #include "clbvh/presets.hpp"
+#include "core/arena_size.hpp"
 #include "core/memory_errors.hpp"
 
 namespace clbvh {
@@ -36,13 +35,6 @@ std::optional<Context> open_context_for(std::string_view builder_id, const Build
     check_for(info, with_split_of_optimizers(with_preset(builder_id, options)));
     if (info.kind == BuilderKind::host) return std::nullopt;
     return Context::open();
-}
-
-/// More threads than oneTBB may start make it print a warning, and change nothing.
-int arena_size(std::uint32_t thread_count) {
-    if (thread_count == 0) return tbb::task_arena::automatic;
-    const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-    return static_cast<int>(std::min<std::size_t>(thread_count, most));
 }
 
 /// True where there is work before the builder.

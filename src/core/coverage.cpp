@@ -12,10 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/polygon_cut.hpp"
+#include "core/prefix_sum.hpp"
+
 namespace clbvh {
 namespace {
 
-using Point = std::array<double, 3>;
 using Polygon = std::vector<Point>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -62,46 +64,17 @@ Vec3 centre_of(const Polygon& polygon) {
     return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
 }
 
-struct Plane {
-    std::size_t axis;
-    double position;
-};
-
-Point cross(const Point& a, const Point& b, const Plane& plane) {
-    const double t = (plane.position - a[plane.axis]) / (b[plane.axis] - a[plane.axis]);
-    Point point;
-    // Clamped: a coordinate that rounding takes beyond both ends would make a part larger than the whole, and faces
-    // that were done with would be cut at again, without end.
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto [least, most] = std::minmax(a[axis], b[axis]);
-        point[axis] = std::clamp(a[axis] + t * (b[axis] - a[axis]), least, most);
-    }
-    point[plane.axis] = plane.position;
-    return point;
-}
-
-/// The parts below and above the plane; both contain the cut, so that nothing is lost between them.
-std::pair<Polygon, Polygon> cut(const Polygon& polygon, const Plane& plane) {
+std::pair<Polygon, Polygon> cut(const Polygon& polygon, const AxisPlane& plane) {
     std::pair<Polygon, Polygon> parts;
-    Point before = polygon.back();
-    for (const Point& point : polygon) {
-        const double from = before[plane.axis];
-        const double to = point[plane.axis];
-        if ((from < plane.position && plane.position < to) || (to < plane.position && plane.position < from)) {
-            const Point crossing = cross(before, point, plane);
-            parts.first.push_back(crossing);
-            parts.second.push_back(crossing);
-        }
-        if (to <= plane.position) parts.first.push_back(point);
-        if (to >= plane.position) parts.second.push_back(point);
-        before = point;
-    }
+    cut_polygon(
+        polygon, plane, [&](const Point& point) { parts.first.push_back(point); },
+        [&](const Point& point) { parts.second.push_back(point); });
     return parts;
 }
 
 /// The middle one of the faces that pass through the inside of `bounds`, along the axis that has most of them; so each
 /// part has at most half of them, and cuts nest no deeper than three times the logarithm of the number of faces.
-std::optional<Plane> choose_cut(const Box& bounds, std::span<const Box> boxes) {
+std::optional<AxisPlane> choose_cut(const Box& bounds, std::span<const Box> boxes) {
     std::array<std::vector<double>, 3> faces;
     for (const Box& box : boxes) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -114,7 +87,7 @@ std::optional<Plane> choose_cut(const Box& bounds, std::span<const Box> boxes) {
     if (most->empty()) return std::nullopt;
     const auto middle = most->begin() + static_cast<std::ptrdiff_t>(most->size() / 2);
     std::ranges::nth_element(*most, middle);
-    return Plane{static_cast<std::size_t>(most - faces.begin()), *middle};
+    return AxisPlane{static_cast<std::size_t>(most - faces.begin()), *middle};
 }
 
 std::optional<Vec3> find_uncovered(const Polygon& polygon, std::span<const Box> boxes) {
@@ -124,7 +97,7 @@ std::optional<Vec3> find_uncovered(const Polygon& polygon, std::span<const Box> 
         if (box.contains(bounds)) return std::nullopt;
         if (box.touches(bounds)) near.push_back(box);
     }
-    const std::optional<Plane> plane = choose_cut(bounds, near);
+    const std::optional<AxisPlane> plane = choose_cut(bounds, near);
     if (!plane) return centre_of(polygon);
     const auto [below, above] = cut(polygon, *plane);
     if (std::optional<Vec3> point = find_uncovered(below, near)) return point;
@@ -137,10 +110,7 @@ public:
     LeafLists(const Bvh& bvh, std::span<const std::uint32_t> leaves) : begins_(bvh.primitive_count + 1, 0) {
         // Begins are counted one place too far, and come to stand where they belong while the lists are filled.
         for_each_reference(bvh, leaves, [&](std::uint32_t primitive, std::uint32_t) { ++begins_[primitive + 1]; });
-        std::uint64_t before = 0;
-        for (std::uint64_t& begin : begins_)
-            before += std::exchange(begin, before);
-        leaves_.resize(before);
+        leaves_.resize(sum_before(std::span(begins_)));
         for_each_reference(bvh, leaves, [&](std::uint32_t primitive, std::uint32_t leaf) {
             leaves_[begins_[primitive + 1]++] = leaf;
         });

@@ -6,19 +6,13 @@
 #include <string>
 
 #include "clbvh/core/error.hpp"
+#include "clbvh/core/vector.hpp"
 #include "clbvh/io/scene.hpp"
 #include "core/random.hpp"
 #include "io/sphere.hpp"
 
 namespace clbvh {
 namespace {
-
-constexpr Vec3 operator+(const Vec3& a, const Vec3& b) {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-constexpr Vec3 operator*(float s, const Vec3& v) {
-    return {s * v.x, s * v.y, s * v.z};
-}
 
 std::uint32_t push_vertex(Mesh& mesh, const Vec3& vertex) {
     mesh.vertices.push_back(vertex);

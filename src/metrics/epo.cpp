@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "core/box_overlap.hpp"
 #include "core/memory_errors.hpp"
 #include "metrics/check_costs.hpp"
 #include "metrics/leaf_order.hpp"
 #include "metrics/node_cost.hpp"
 #include "metrics/subtree_sums.hpp"
-#include "metrics/surface.hpp"
+#include "metrics/triangle_surface.hpp"
 
 namespace clbvh {
 namespace {
@@ -47,7 +48,7 @@ public:
         for (std::size_t reference = chunk * kChunk; reference < end; ++reference) {
             const std::uint32_t triangle = order_.triangle(reference);
             if (order_.references(triangle).front() != reference || is_inactive(mesh_, triangle)) continue;
-            const Surface surface(mesh_, triangle);
+            const TriangleSurface surface(mesh_, triangle);
             sums.area += surface.area();
             if (surface.area() > 0.0) sums.extra += extra_of(surface, order_.references(triangle), stack);
         }
@@ -56,7 +57,7 @@ public:
 
 private:
     /// The areas of the triangle in the nodes that it does not belong to, each times the node's cost.
-    [[nodiscard]] double extra_of(const Surface& surface, std::span<const std::uint32_t> references,
+    [[nodiscard]] double extra_of(const TriangleSurface& surface, std::span<const std::uint32_t> references,
                                   std::vector<std::uint32_t>& stack) const {
         double extra = 0.0;
         stack.assign(1, 0);

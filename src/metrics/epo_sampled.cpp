@@ -15,7 +15,7 @@
 #include "metrics/leaf_order.hpp"
 #include "metrics/node_cost.hpp"
 #include "metrics/subtree_sums.hpp"
-#include "metrics/surface.hpp"
+#include "metrics/triangle_surface.hpp"
 
 namespace clbvh {
 namespace {
@@ -28,7 +28,7 @@ double unit(Random& random) {
     return static_cast<double>(random.bits() >> 11) * 0x1p-53;
 }
 
-bool contains(const Aabb& box, const Surface::Point& point) {
+bool contains(const Aabb& box, const Point& point) {
     return box.lower.x <= point[0] && point[0] <= box.upper.x && box.lower.y <= point[1] && point[1] <= box.upper.y &&
            box.lower.z <= point[2] && point[2] <= box.upper.z;
 }
@@ -48,7 +48,7 @@ public:
         for (std::size_t reference = 0; reference < order_.reference_count(); ++reference) {
             const std::uint32_t triangle = order_.triangle(reference);
             const bool is_first = order_.references(triangle).front() == reference;
-            if (is_first && !is_inactive(mesh, triangle)) area += Surface(mesh, triangle).area();
+            if (is_first && !is_inactive(mesh, triangle)) area += TriangleSurface(mesh, triangle).area();
             areas_.push_back(area);
         }
     }
@@ -80,10 +80,10 @@ private:
             u = 1.0 - u;
             v = 1.0 - v;
         }
-        return cost_at(Surface(mesh_, triangle).at(u, v), order_.references(triangle), stack);
+        return cost_at(TriangleSurface(mesh_, triangle).at(u, v), order_.references(triangle), stack);
     }
 
-    [[nodiscard]] double cost_at(const Surface::Point& point, std::span<const std::uint32_t> references,
+    [[nodiscard]] double cost_at(const Point& point, std::span<const std::uint32_t> references,
                                  std::vector<std::uint32_t>& stack) const {
         double cost = 0.0;
         stack.assign(1, 0);

@@ -3,9 +3,9 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <utility>
 
 #include "clbvh/core/error.hpp"
+#include "core/prefix_sum.hpp"
 #include "core/tree_walk.hpp"
 
 namespace clbvh {
@@ -54,9 +54,7 @@ void LeafOrder::list_references(std::uint64_t triangle_count) {
     begins_.assign(triangle_count + 1, 0);
     for (const std::uint32_t triangle : triangles_)
         ++begins_[triangle + 1];
-    std::uint64_t before = 0;
-    for (std::uint64_t& begin : begins_)
-        before += std::exchange(begin, before);
+    sum_before(std::span(begins_));
     references_.resize(triangles_.size());
     for (std::size_t reference = 0; reference < triangles_.size(); ++reference)
         references_[begins_[triangles_[reference] + 1]++] = static_cast<std::uint32_t>(reference);

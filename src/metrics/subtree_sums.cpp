@@ -2,17 +2,10 @@
 
 #include <cstddef>
 
+#include "core/box_overlap.hpp"
 #include "metrics/node_cost.hpp"
 
 namespace clbvh {
-namespace {
-
-Aabb intersection(const Aabb& a, const Aabb& b) {
-    return {max(a.lower, b.lower), min(a.upper, b.upper)};
-}
-
-}  // namespace
-
 SubtreeSums::SubtreeSums(const Bvh& bvh, const LeafOrder& order, const SahCosts& costs) : sums_(bvh.nodes.size()) {
     // Children come behind their parents in the walk.
     for (std::size_t i = order.nodes().size(); i-- > 0;) {
@@ -22,7 +15,7 @@ SubtreeSums::SubtreeSums(const Bvh& bvh, const LeafOrder& order, const SahCosts&
         sum = {node.bounds(), node_cost(node, costs)};
         if (node.is_leaf()) continue;
         for (const std::uint32_t child : {node.first, node.first + 1}) {
-            sum.core = intersection(sum.core, sums_[child].core);
+            sum.core = intersect(sum.core, sums_[child].core);
             sum.cost += sums_[child].cost;
         }
     }

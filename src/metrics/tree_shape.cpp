@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "clbvh/core/error.hpp"
+#include "core/box_overlap.hpp"
 #include "core/exact_areas.hpp"
 #include "core/tree_walk.hpp"
 
@@ -12,13 +13,8 @@ namespace {
 
 /// exact_half_area() of the box that both nodes share; 0 where they are apart.
 double shared_area(const Node& a, const Node& b) {
-    Node shared{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        shared.lower[axis] = std::max(a.lower[axis], b.lower[axis]);
-        shared.upper[axis] = std::min(a.upper[axis], b.upper[axis]);
-        if (!(shared.lower[axis] <= shared.upper[axis])) return 0.0;
-    }
-    return exact_half_area(shared);
+    const Aabb box_a = a.bounds(), box_b = b.bounds();
+    return touch(box_a, box_b) ? exact_half_area(intersect(box_a, box_b)) : 0.0;
 }
 
 void count(std::vector<std::uint64_t>& histogram, std::size_t value) {

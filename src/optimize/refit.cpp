@@ -13,6 +13,7 @@
 #include "clbvh/optimize/refit.hpp"
 #include "core/exact_areas.hpp"
 #include "core/memory_errors.hpp"
+#include "core/negative_zero.hpp"
 #include "core/simd/box4.hpp"
 #include "core/simd/prefetch.hpp"
 #include "metrics/check_costs.hpp"
@@ -98,8 +99,7 @@ public:
             for (const std::uint32_t index : triangle)
                 box.merge(vertex(index));
         }
-        // Adding +0 turns -0 into +0, and changes nothing else.
-        return {box.lower + Float4::filled(0.0f), box.upper + Float4::filled(0.0f)};
+        return without_negative_zeros(box);
     }
 
 private:

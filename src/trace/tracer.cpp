@@ -10,6 +10,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "clbvh/trace/traverse.hpp"
+#include "core/arena_size.hpp"
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
 #include "trace/check_tree.hpp"
@@ -25,10 +26,9 @@ using namespace trace;
 /// Rays of one task of the calls for many.
 constexpr std::size_t kRaysPerTask = 256;
 
-int arena_size(const TracerOptions& options) {
-    if (options.thread_count == 0) return tbb::task_arena::automatic;
-    check_range("thread_count", options.thread_count, 1, 1024);
-    return static_cast<int>(options.thread_count);
+int arena_size_for(const TracerOptions& options) {
+    check_range("thread_count", options.thread_count, 0, 1024);
+    return arena_size(options.thread_count);
 }
 
 void check_length(const char* name, std::size_t length, std::size_t rays) {
@@ -42,7 +42,7 @@ void check_length(const char* name, std::size_t length, std::size_t rays) {
 struct Tracer::State {
     State(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options)
         : triangle_test(options.triangle_test),
-          arena(arena_size(options)),
+          arena(arena_size_for(options)),
           depth(check_tree(bvh, mesh)),
           nodes(bvh.nodes),
           triangles(arena.execute([&] { return copy_triangles(bvh, mesh); })),

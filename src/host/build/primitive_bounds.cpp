@@ -8,6 +8,7 @@
 #include <string>
 
 #include "clbvh/core/error.hpp"
+#include "core/prefix_sum.hpp"
 
 namespace clbvh::host {
 namespace {
@@ -29,14 +30,6 @@ Bounds for_each_chunk(std::size_t count, const Work& work) {
             a.add(b);
             return a;
         });
-}
-
-Reference make_reference(const Aabb& box, std::uint32_t primitive) {
-    // Adding +0 turns -0 into +0 and changes nothing else.
-    return {{box.lower.x + 0.0f, box.lower.y + 0.0f, box.lower.z + 0.0f},
-            primitive,
-            {box.upper.x + 0.0f, box.upper.y + 0.0f, box.upper.z + 0.0f},
-            0};
 }
 
 void write(Reference& target, const Aabb& box, std::size_t primitive, Bounds& bounds) {
@@ -77,12 +70,7 @@ Bounds bound_primitives(const Mesh& mesh, std::span<Reference> references, Scrat
             active += is_inactive(mesh, i) ? 0 : 1;
         first_of_chunk[chunk] = active;
     });
-    std::size_t before = 0;
-    for (std::size_t& first : first_of_chunk) {
-        const std::size_t active = first;
-        first = before;
-        before += active;
-    }
+    sum_before(first_of_chunk);
     return for_each_chunk(count, [&](std::size_t chunk, std::size_t begin, std::size_t end, Bounds& bounds) {
         bound_active(mesh, begin, end, references.data() + first_of_chunk[chunk], bounds);
     });

@@ -4,6 +4,7 @@
 
 #include "clbvh/core/aabb.hpp"
 #include "clbvh/core/bvh.hpp"
+#include "core/negative_zero.hpp"
 #include "core/simd/box4.hpp"
 
 namespace clbvh::host {
@@ -21,6 +22,21 @@ struct alignas(32) Reference {
     }
 };
 static_assert(sizeof(Reference) == 32);
+
+[[nodiscard]] inline Reference make_reference(const Aabb& box, std::uint32_t primitive) noexcept {
+    const Vec3 lower = without_negative_zeros(box.lower);
+    const Vec3 upper = without_negative_zeros(box.upper);
+    return {{lower.x, lower.y, lower.z}, primitive, {upper.x, upper.y, upper.z}, 0};
+}
+/// Of a box without negative zeros.
+[[nodiscard]] inline Reference make_reference(const Box4& box, std::uint32_t primitive) noexcept {
+    Reference reference;
+    box.lower.store(reference.lower);  // the fourth lane goes to `primitive`, which is written next
+    reference.primitive = primitive;
+    box.upper.store(reference.upper);
+    reference.unused = 0;
+    return reference;
+}
 
 /// What a set of references takes up.
 struct Bounds {

@@ -8,15 +8,17 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <span>
 
+#include "clbvh/core/mesh_bounds.hpp"
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
+#include "core/prefix_sum.hpp"
 #include "host/top_down/subdivision.hpp"
 
 namespace clbvh::host {
@@ -43,7 +45,7 @@ class Plan {
 public:
     Plan(const Mesh& mesh, const PresplitConfig& config, bool keeps_inactive, HostStages& stages)
         : mesh_(mesh), keeps_inactive_(keeps_inactive), stages_(stages), first_parts_(chunk_count() + 1) {
-        const double scene_volume = volume_of(bound_scene());
+        const double scene_volume = volume_of(mesh_bounds(mesh));
         const std::uint64_t limit = most_parts(config.triangle_budget);
         const auto threshold_of = [&](std::uint32_t level) {
             return std::ldexp(scene_volume, -static_cast<int>(level));
@@ -62,7 +64,7 @@ public:
         }
         threshold_ = threshold_of(fitting);
         if (counted != fitting) static_cast<void>(count_parts(threshold_, limit));
-        sum_up();
+        sum_before(std::span(first_parts_));
     }
 
     [[nodiscard]] double threshold() const noexcept { return threshold_; }
@@ -84,18 +86,6 @@ private:
     [[nodiscard]] std::size_t chunk_count() const noexcept { return (mesh_.triangles.size() + kChunk - 1) / kChunk; }
     [[nodiscard]] std::size_t end_of(std::size_t chunk) const noexcept {
         return std::min(mesh_.triangles.size(), (chunk + 1) * kChunk);
-    }
-
-    [[nodiscard]] Aabb bound_scene() const {
-        return tbb::parallel_reduce(
-            tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 16 * kChunk), Aabb{},
-            [&](const auto& range, Aabb box) {
-                for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                    if (!is_inactive(mesh_, i)) box = merge(box, triangle_bounds(mesh_, i));
-                }
-                return box;
-            },
-            [](const Aabb& a, const Aabb& b) { return merge(a, b); });
     }
 
     /// Never below the number of triangles; ids of parts and of new vertices stay in range.
@@ -126,16 +116,6 @@ private:
             stages_.advance(0);
         });
         return total <= limit;
-    }
-
-    /// Turns counts into the parts before each chunk.
-    void sum_up() {
-        std::size_t before = 0;
-        for (std::size_t& first : first_parts_) {
-            const std::size_t count = first;
-            first = before;
-            before += count;
-        }
     }
 
     const Mesh& mesh_;

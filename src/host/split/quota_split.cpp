@@ -13,25 +13,15 @@
 #include <optional>
 #include <span>
 
+#include "clbvh/core/mesh_bounds.hpp"
 #include "core/exact_areas.hpp"
+#include "core/prefix_sum.hpp"
 #include "host/top_down/sbvh_clip.hpp"
 
 namespace clbvh::host {
 namespace {
 
 constexpr std::size_t kChunk = 2048;
-
-Aabb bound_scene(const Mesh& mesh) {
-    return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), 4 * kChunk), Aabb{},
-        [&](const auto& range, Aabb box) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                if (!is_inactive(mesh, i)) box = merge(box, triangle_bounds(mesh, i));
-            }
-            return box;
-        },
-        [](const Aabb& a, const Aabb& b) { return merge(a, b); });
-}
 
 /// Both sides of the triangle's projections along the axes: no boxes around parts of it have less surface.
 double ideal_surface_of(const Mesh& mesh, const Triangle& triangle) {
@@ -57,13 +47,6 @@ float longest_extent(const Box4& box) {
     return std::max({extents.x(), extents.y(), extents.z()});
 }
 
-Reference part_of(const Reference& whole, const Box4& box) {
-    Reference part = whole;
-    box.lower.with_w(whole.primitive).store(part.lower);
-    box.upper.with_w(0).store(part.upper);
-    return part;
-}
-
 /// Splits a part, and its parts likewise, until `splits` are used up or no plane passes through. Calls
 /// `add_part(reference)` for each part that is left. Each level of the grid is met once along each axis, at most.
 template <typename AddPart>
@@ -73,23 +56,14 @@ void split(const Mesh& mesh, const MedianGrid& grid, const Reference& part, std:
     if (!plane) return add_part(part);
     const CutReference cut = cut_reference(&mesh, part, plane->axis, plane->position);
     // The box may reach beyond the plane where the triangle does not.
-    if (!has_point(cut.left)) return split(mesh, grid, part_of(part, cut.right), splits, add_part);
-    if (!has_point(cut.right)) return split(mesh, grid, part_of(part, cut.left), splits, add_part);
+    if (!has_point(cut.left)) return split(mesh, grid, make_reference(cut.right, part.primitive), splits, add_part);
+    if (!has_point(cut.right)) return split(mesh, grid, make_reference(cut.left, part.primitive), splits, add_part);
     const double left_length = longest_extent(cut.left);
     const double both_lengths = left_length + longest_extent(cut.right);
     const double left_share = both_lengths > 0.0 ? left_length / both_lengths : 0.5;
     const auto left_splits = std::min(splits - 1, static_cast<std::uint32_t>(std::lround((splits - 1) * left_share)));
-    split(mesh, grid, part_of(part, cut.left), left_splits, add_part);
-    split(mesh, grid, part_of(part, cut.right), splits - 1 - left_splits, add_part);
-}
-
-Reference reference_to(const Mesh& mesh, std::size_t triangle) {
-    const Aabb box = triangle_bounds(mesh, triangle);
-    // Adding +0 turns -0 into +0, and changes nothing else.
-    return {{box.lower.x + 0.0f, box.lower.y + 0.0f, box.lower.z + 0.0f},
-            static_cast<std::uint32_t>(triangle),
-            {box.upper.x + 0.0f, box.upper.y + 0.0f, box.upper.z + 0.0f},
-            0};
+    split(mesh, grid, make_reference(cut.left, part.primitive), left_splits, add_part);
+    split(mesh, grid, make_reference(cut.right, part.primitive), splits - 1 - left_splits, add_part);
 }
 
 /// Splits the active triangles of a chunk.
@@ -97,19 +71,10 @@ template <typename AddPart>
 void split_chunk(const Mesh& mesh, const SplitPlan& plan, std::size_t chunk, const AddPart& add_part) {
     const std::size_t end = std::min(mesh.triangles.size(), (chunk + 1) * kChunk);
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
-        if (!is_inactive(mesh, i)) split(mesh, plan.grid(), reference_to(mesh, i), plan.splits(i), add_part);
+        if (!is_inactive(mesh, i))
+            split(mesh, plan.grid(), make_reference(triangle_bounds(mesh, i), static_cast<std::uint32_t>(i)),
+                  plan.splits(i), add_part);
     }
-}
-
-/// Turns the counts of chunks into the number before each; returns the number of all.
-std::size_t sum_up(std::span<std::size_t> counts) {
-    std::size_t before = 0;
-    for (std::size_t& count : counts) {
-        const std::size_t own = count;
-        count = before;
-        before += own;
-    }
-    return before;
 }
 
 void write_part(const Reference& reference, std::size_t part, PartBoxes& parts) {
@@ -124,7 +89,7 @@ void write_part(const Reference& reference, std::size_t part, PartBoxes& parts) 
 }  // namespace
 
 SplitPlan::SplitPlan(const Mesh& mesh, float quota, HostStages& stages)
-    : priorities_(mesh.triangles.size()), grid_(bound_scene(mesh)) {
+    : priorities_(mesh.triangles.size()), grid_(mesh_bounds(mesh)) {
     const std::uint64_t active = tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kChunk), std::uint64_t{0},
         [&](const auto& range, std::uint64_t count) {
@@ -186,7 +151,7 @@ void split_to_quota(const Mesh& mesh, float quota, HostStages& stages, PartBoxes
         split_chunk(mesh, plan, chunk, [&](const Reference&) { ++first_parts[chunk]; });
         stages.advance(0);
     });
-    const std::size_t part_count = sum_up(first_parts);
+    const std::size_t part_count = sum_before(std::span(first_parts));
     parts.mesh.vertices.resize(2 * part_count);
     parts.mesh.triangles.resize(part_count);
     parts.source.resize(part_count);

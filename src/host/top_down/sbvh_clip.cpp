@@ -73,8 +73,7 @@ CutReference cut_reference(const Mesh* mesh, const Reference& reference, std::si
     }
     for (std::size_t i = 0; i < 2; ++i) {
         parts[i] = intersect(parts[i], with_range(parts[i], axis, borders[i], borders[i + 1]));
-        // Adding +0 turns -0 into +0 and changes nothing else.
-        parts[i] = {parts[i].lower + Float4::filled(0.0f), parts[i].upper + Float4::filled(0.0f)};
+        parts[i] = without_negative_zeros(parts[i]);
     }
     return {parts[0], parts[1]};
 }

@@ -8,15 +8,6 @@ float merged_area(Box4 a, const Box4& b) noexcept {
     return a.half_area();
 }
 
-Reference make_reference(const Box4& box, std::uint32_t primitive) noexcept {
-    Reference reference;
-    box.lower.store(reference.lower);  // the fourth lane goes to `primitive`, which is written next
-    reference.primitive = primitive;
-    box.upper.store(reference.upper);
-    reference.unused = 0;
-    return reference;
-}
-
 }  // namespace
 
 SpatialRule::SpatialRule(const Mesh* mesh, const SpatialBinning& binning, const SpatialSplit& split) noexcept

@@ -4,15 +4,14 @@
 #include <cstdint>
 
 #include "clbvh/core/mesh.hpp"
+#include "core/polygon_cut.hpp"
 
 namespace clbvh {
 
 /// A triangle as a piece of surface, in double precision.
-class Surface {
+class TriangleSurface {
 public:
-    using Point = std::array<double, 3>;
-
-    Surface(const Mesh& mesh, std::uint32_t triangle) noexcept;
+    TriangleSurface(const Mesh& mesh, std::uint32_t triangle) noexcept;
 
     [[nodiscard]] const Aabb& bounds() const noexcept { return bounds_; }
     [[nodiscard]] double area() const noexcept { return area_; }
@@ -26,16 +25,5 @@ private:
     Aabb bounds_;
     double area_;
 };
-
-/// True where the boxes have a point in common.
-[[nodiscard]] constexpr bool touch(const Aabb& a, const Aabb& b) noexcept {
-    return a.lower.x <= b.upper.x && b.lower.x <= a.upper.x && a.lower.y <= b.upper.y && b.lower.y <= a.upper.y &&
-           a.lower.z <= b.upper.z && b.lower.z <= a.upper.z;
-}
-
-/// True where `inner` has no point that `outer` has not.
-[[nodiscard]] constexpr bool is_within(const Aabb& inner, const Aabb& outer) noexcept {
-    return merge(inner, outer) == outer;
-}
 
 }  // namespace clbvh

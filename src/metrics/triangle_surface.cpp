@@ -1,14 +1,14 @@
-#include "metrics/surface.hpp"
+#include "metrics/triangle_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
 
+#include "core/box_overlap.hpp"
+
 namespace clbvh {
 namespace {
-
-using Point = Surface::Point;
 
 Point to_point(const Vec3& v) noexcept {
     return {v.x, v.y, v.z};
@@ -31,38 +31,37 @@ double area_of(std::span<const Point> polygon) noexcept {
     return 0.5 * std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
 }
 
-/// A convex polygon that is clipped by planes across the axes (Sutherland, Hodgman 1974).
-class Polygon {
+/// A convex polygon that is clipped by planes across the axes.
+class ClippedPolygon {
 public:
-    explicit Polygon(const std::array<Point, 3>& corners) noexcept {
+    explicit ClippedPolygon(const std::array<Point, 3>& corners) noexcept {
         std::copy(corners.begin(), corners.end(), points_->begin());
     }
 
-    /// Keeps what is on the upper (sign 1) or the lower (sign -1) side of the plane, the plane itself included.
-    void keep(std::size_t axis, double plane, double sign) noexcept {
-        const std::span<const Point> before = points();
-        current_ = 1 - current_;
-        count_ = 0;
-        Points& kept = points_[current_];
-        for (std::size_t i = 0; i < before.size(); ++i) {
-            const Point& from = before[i];
-            const Point& to = before[i + 1 < before.size() ? i + 1 : 0];
-            const double from_side = sign * (from[axis] - plane);
-            const double to_side = sign * (to[axis] - plane);
-            if (from_side >= 0.0) kept[count_++] = from;
-            if ((from_side > 0.0 && to_side < 0.0) || (from_side < 0.0 && to_side > 0.0)) {
-                Point& crossing = kept[count_++];
-                const double t = from_side / (from_side - to_side);
-                for (std::size_t k = 0; k < 3; ++k)
-                    crossing[k] = from[k] + t * (to[k] - from[k]);
-                crossing[axis] = plane;
-            }
-        }
+    /// Keeps what is on the side of the plane, the plane itself included.
+    void keep_above(const AxisPlane& plane) noexcept {
+        keep([&](std::span<const Point> before, const auto& add) {
+            cut_polygon(
+                before, plane, [](const Point&) {}, add);
+        });
+    }
+    void keep_below(const AxisPlane& plane) noexcept {
+        keep([&](std::span<const Point> before, const auto& add) {
+            cut_polygon(before, plane, add, [](const Point&) {});
+        });
     }
 
     [[nodiscard]] std::span<const Point> points() const noexcept { return std::span(points_[current_]).first(count_); }
 
 private:
+    template <typename Cut>
+    void keep(const Cut& cut) noexcept {
+        const std::span<const Point> before = points();
+        current_ = 1 - current_;
+        count_ = 0;
+        cut(before, [&](const Point& point) { points_[current_][count_++] = point; });
+    }
+
     /// A plane adds one point at most to what is convex. Rounding may leave it convex only nearly; then it adds no more
     /// than half of those there are, which is 3, 4, 6, 9, 13, 19, 28 with six planes.
     static constexpr std::size_t kMostPoints = 28;
@@ -75,28 +74,29 @@ private:
 
 }  // namespace
 
-Surface::Surface(const Mesh& mesh, std::uint32_t triangle) noexcept : bounds_(triangle_bounds(mesh, triangle)) {
+TriangleSurface::TriangleSurface(const Mesh& mesh, std::uint32_t triangle) noexcept
+    : bounds_(triangle_bounds(mesh, triangle)) {
     for (std::size_t i = 0; i < 3; ++i)
         corners_[i] = to_point(mesh.vertices[mesh.triangles[triangle][i]]);
     area_ = area_of(corners_);
 }
 
-double Surface::area_within(const Aabb& box) const noexcept {
+double TriangleSurface::area_within(const Aabb& box) const noexcept {
     if (!touch(bounds_, box)) return 0.0;
     if (is_within(bounds_, box)) return area_;
     const Point lower = to_point(box.lower);
     const Point upper = to_point(box.upper);
     const Point own_lower = to_point(bounds_.lower);
     const Point own_upper = to_point(bounds_.upper);
-    Polygon polygon(corners_);
+    ClippedPolygon polygon(corners_);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (own_lower[axis] < lower[axis]) polygon.keep(axis, lower[axis], 1.0);
-        if (own_upper[axis] > upper[axis]) polygon.keep(axis, upper[axis], -1.0);
+        if (own_lower[axis] < lower[axis]) polygon.keep_above({axis, lower[axis]});
+        if (own_upper[axis] > upper[axis]) polygon.keep_below({axis, upper[axis]});
     }
     return area_of(polygon.points());
 }
 
-Point Surface::at(double u, double v) const noexcept {
+Point TriangleSurface::at(double u, double v) const noexcept {
     Point point = corners_[0];
     for (std::size_t k = 0; k < 3; ++k)
         point[k] += u * (corners_[1][k] - corners_[0][k]) + v * (corners_[2][k] - corners_[0][k]);

@@ -1,4 +1,4 @@
-#include "metrics/surface.hpp"
+#include "metrics/triangle_surface.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -16,14 +16,14 @@ Mesh single(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 double area_within(const Mesh& mesh, const Aabb& box) {
-    return Surface(mesh, 0).area_within(box);
+    return TriangleSurface(mesh, 0).area_within(box);
 }
 
 }  // namespace
 
 TEST_CASE("a triangle's area, and its parts in boxes made by hand") {
     const Mesh mesh = single({0, 0, 0}, {4, 0, 0}, {0, 4, 0});
-    CHECK(Surface(mesh, 0).area() == 8.0);
+    CHECK(TriangleSurface(mesh, 0).area() == 8.0);
     CHECK(area_within(mesh, {{0, 0, 0}, {4, 4, 0}}) == 8.0);
     CHECK(area_within(mesh, {{-1, -1, -1}, {9, 9, 9}}) == 8.0);
     CHECK(area_within(mesh, {{0, 0, 0}, {1, 1, 1}}) == 1.0);
@@ -35,7 +35,7 @@ TEST_CASE("a triangle's area, and its parts in boxes made by hand") {
     // Only the box of the triangle meets this one; then the plane z = 0 is a face, which is within.
     CHECK(area_within(mesh, {{2.5, 2.5, -1}, {4, 4, 1}}) == 0.0);
     CHECK(area_within(mesh, {{0, 0, -5}, {2, 2, 0}}) == 4.0);
-    CHECK(Surface(single({1, 2, 3}, {1, 2, 3}, {5, 6, 7}), 0).area() == 0.0);
+    CHECK(TriangleSurface(single({1, 2, 3}, {1, 2, 3}, {5, 6, 7}), 0).area() == 0.0);
 }
 
 TEST_CASE("a triangle's parts in random boxes are as large as they are in the triangle's own plane") {
@@ -51,7 +51,7 @@ TEST_CASE("a triangle's parts in random boxes are as large as they are in the tr
         if (i % 25 == 0) box.lower.y = 0.25f;
         const double expected = area_within_oracle(mesh, 0, box);
         REQUIRE(area_within(mesh, box) == Approx(expected).margin(1e-9).epsilon(1e-9));
-        if (expected > 0.0 && expected < Surface(mesh, 0).area()) ++parts;
+        if (expected > 0.0 && expected < TriangleSurface(mesh, 0).area()) ++parts;
     }
     CHECK(parts > 4000);
 }
@@ -74,14 +74,14 @@ TEST_CASE("parts of triangles that boxes cut apart add up to the whole, at the l
                 ((octant & 4U) != 0 ? box.lower.z : box.upper.z) = middle.z;
                 sum += area_within(mesh, box);
             }
-            REQUIRE(sum == Approx(Surface(mesh, 0).area()).epsilon(1e-9));
+            REQUIRE(sum == Approx(TriangleSurface(mesh, 0).area()).epsilon(1e-9));
         }
     }
 }
 
 TEST_CASE("points of a triangle are where their coordinates say") {
-    const Surface surface(single({1, 2, 3}, {5, 2, 3}, {1, 2, 11}), 0);
-    CHECK(surface.at(0, 0) == Surface::Point{1, 2, 3});
-    CHECK(surface.at(1, 0) == Surface::Point{5, 2, 3});
-    CHECK(surface.at(0.25, 0.5) == Surface::Point{2, 2, 7});
+    const TriangleSurface surface(single({1, 2, 3}, {5, 2, 3}, {1, 2, 11}), 0);
+    CHECK(surface.at(0, 0) == Point{1, 2, 3});
+    CHECK(surface.at(1, 0) == Point{5, 2, 3});
+    CHECK(surface.at(0.25, 0.5) == Point{2, 2, 7});
 }
