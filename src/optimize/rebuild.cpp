@@ -3,7 +3,9 @@
 #include "clbvh/optimize/rebuild.hpp"
 
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -12,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "clbvh/host/sweep_sah.hpp"
 #include "core/bottom_up.hpp"
 #include "core/check_field.hpp"
 #include "core/exact_areas.hpp"
+#include "host/top_down/sweep_sah.hpp"
 #include "optimize/pass_clock.hpp"
 #include "optimize/run_optimizer.hpp"
 
@@ -31,7 +33,11 @@ struct Subtree {
     std::vector<Node> leaves;
     double area = 0.0;
 
-    Subtree(std::span<const Node> nodes, std::uint32_t root) {
+    /// Replaces what it held.
+    void gather(std::span<const Node> nodes, std::uint32_t root) {
+        pairs.clear();
+        leaves.clear();
+        area = 0.0;
         std::vector<std::uint32_t> stack{root};
         while (!stack.empty()) {
             const Node& node = nodes[stack.back()];
@@ -47,16 +53,22 @@ struct Subtree {
     }
 };
 
-/// The best tree of the greedy builder over these leaves: leaf i stands for leaves[i].
-Bvh build_over(std::span<const Node> leaves) {
-    std::vector<Aabb> boxes(leaves.size());
-    std::ranges::transform(leaves, boxes.begin(), [](const Node& leaf) {
-        return Aabb{{leaf.lower[0], leaf.lower[1], leaf.lower[2]}, {leaf.upper[0], leaf.upper[1], leaf.upper[2]}};
-    });
-    SweepSahConfig config;
-    config.max_leaf_size = 1;
-    return build_sweep_sah(boxes, config);
-}
+/// What a thread builds in. Its memory stays from subtree to subtree: fresh pages would cost more than the build.
+struct Workspace {
+    Subtree old;
+    std::vector<Aabb> boxes;
+    Scratch scratch;
+    Bvh tree;
+
+    /// The best tree of the greedy builder over the old leaves: leaf i stands for old.leaves[i].
+    void build() {
+        boxes.resize(old.leaves.size());
+        std::ranges::transform(old.leaves, boxes.begin(), &Node::bounds);
+        SweepSahConfig config;
+        config.max_leaf_size = 1;
+        host::build_sweep_sah(boxes, config, scratch, tree);
+    }
+};
 
 double inner_half_area(const Bvh& tree) {
     double sum = exact_half_area(tree.nodes[0]);
@@ -144,13 +156,15 @@ private:
     }
 
     Sums rebuild_at(std::uint32_t root) {
-        const Subtree old(nodes_, root);
-        const Bvh tree = build_over(old.leaves);
-        const double area = inner_half_area(tree);
+        Workspace& space = workspaces_.local();
+        space.old.gather(nodes_, root);
+        // Isolated: a thread that waits for its own build must not take up another subtree in the same workspace.
+        tbb::this_task_arena::isolate([&] { space.build(); });
+        const double area = inner_half_area(space.tree);
         // The two sums add in different orders, and so differ by rounding where the trees are the same.
-        if (!(area < old.area * (1.0 - 1e-12))) return {};
-        write(root, tree, old);
-        return {old.area - area, 1};
+        if (!(area < space.old.area * (1.0 - 1e-12))) return {};
+        write(root, space.tree, space.old);
+        return {space.old.area - area, 1};
     }
 
     /// Puts `tree` in the place of the subtree, in the pairs that it has.
@@ -179,6 +193,7 @@ private:
     std::vector<Node>& nodes_;
     const RebuildConfig& config_;
     optimizer::PassClock clock_;
+    tbb::enumerable_thread_specific<Workspace> workspaces_;
     std::vector<std::uint32_t> sizes_;  // leaves below the parent of pair p
     double area_ = 0.0;                 // summed half areas of the inner nodes, before the first pass
     double gain_ = 0.0;                 // what the last pass took off that

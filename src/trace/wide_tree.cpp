@@ -31,7 +31,6 @@ private:
         std::uint32_t binary;
         std::uint32_t parent, slot;
         std::uint32_t depth;
-        bool is_small;
     };
 
     /// A binary node that may become a child of a wide one.
@@ -97,7 +96,7 @@ private:
             node.children[slot] = kLeafFlag;
         }
         for (auto slot = static_cast<std::uint32_t>(children.size()); slot-- > 0;)
-            open_.push_back({children[slot].binary, index, slot, depth + 1, children[slot].is_small});
+            open_.push_back({children[slot].binary, index, slot, depth + 1});
         depth_ = std::max(depth_, depth);
         return index;
     }

@@ -50,19 +50,24 @@ Bvh build_over_mesh(const Mesh& mesh, const BoundAlgorithm& algorithm) {
 }
 
 Bvh build_over_boxes(std::span<const Aabb> bounds, const BoundAlgorithm& algorithm) {
-    check_primitive_count(bounds.size());
-    check_boxes(bounds);
     return with_memory_errors("the build", [&] {
         Scratch scratch;
         Bvh result;
-        result.primitive_count = bounds.size();
-        const ProgressCallback no_progress;
-        HostStages stages(no_progress);
-        const std::span<Reference> references = scratch.take<Reference>(bounds.size());
-        const Bounds scene = copy_boxes(bounds, references);
-        run_algorithm(references, scene, nullptr, algorithm, scratch, stages, result);
+        build_over_boxes(bounds, algorithm, scratch, result);
         return result;
     });
+}
+
+void build_over_boxes(std::span<const Aabb> bounds, const BoundAlgorithm& algorithm, Scratch& scratch, Bvh& result) {
+    check_primitive_count(bounds.size());
+    check_boxes(bounds);
+    scratch.reset();
+    result.primitive_count = bounds.size();
+    const ProgressCallback no_progress;
+    HostStages stages(no_progress);
+    const std::span<Reference> references = scratch.take<Reference>(bounds.size());
+    const Bounds scene = copy_boxes(bounds, references);
+    run_algorithm(references, scene, nullptr, algorithm, scratch, stages, result);
 }
 
 }  // namespace clbvh::host

@@ -47,4 +47,7 @@ BuildStats run_host_build(const HostInput& input, const BoundAlgorithm& algorith
 /// has a NaN, is inverted or lies beyond kMaxCoordinate, Error(unsupported) where there are more than kMaxPrimitives.
 [[nodiscard]] Bvh build_over_boxes(std::span<const Aabb> bounds, const BoundAlgorithm& algorithm);
 
+/// The same into memory that an earlier build may have used. Errors of allocation come as they are.
+void build_over_boxes(std::span<const Aabb> bounds, const BoundAlgorithm& algorithm, Scratch& scratch, Bvh& result);
+
 }  // namespace clbvh::host

@@ -206,6 +206,15 @@ BinnedSplit BinSet::find_split(float unit) const noexcept {
     return (use_avx2 ? find_border_avx2 : find_border<Box8Pair>)(rows_.data(), bin_count_, unit);
 }
 
+std::array<Box4, 2> BinSet::boxes_of(const BinnedSplit& split) const noexcept {
+    std::array<Box4, 2> boxes;
+    for (std::uint32_t bin = 0; bin < bin_count_; ++bin) {
+        const float* const box = rows_[bin].boxes[split.axis];
+        boxes[bin < split.bin ? 0 : 1].merge(Box4{Float4::load(box), Float4::filled(0.0f) - Float4::load(box + 4)});
+    }
+    return boxes;
+}
+
 std::uint32_t BinSet::count_left_of(const BinnedSplit& split) const noexcept {
     std::int32_t count = 0;
     for (std::uint32_t bin = 0; bin < split.bin; ++bin)

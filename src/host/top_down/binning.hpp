@@ -55,6 +55,9 @@ public:
     /// The cheapest border, where each reference weighs `unit`; the first one along the first axis among equals.
     [[nodiscard]] BinnedSplit find_split(float unit = 1.0f) const noexcept;
 
+    /// The boxes of what goes left and of what goes right.
+    [[nodiscard]] std::array<Box4, 2> boxes_of(const BinnedSplit& split) const noexcept;
+
     /// How many references go left.
     [[nodiscard]] std::uint32_t count_left_of(const BinnedSplit& split) const noexcept;
 

@@ -45,6 +45,21 @@ struct Split {
     Arrays arrays{};
 };
 
+/// A split of the references as they are.
+struct ObjectSplit {
+    BinnedSplit split;
+    float overlap = 0.0f;  ///< Half area of what the boxes of both halves share; 0 where nothing may be cut.
+};
+
+/// The boxes of what a rule sends to either side.
+struct BoxesOfHalves {
+    std::array<Box4, 2> boxes;
+
+    void put(const Reference& reference, bool goes_right) noexcept {
+        boxes[goes_right ? 1 : 0].merge(Box4::of(reference));
+    }
+};
+
 class SbvhBuilder {
 public:
     SbvhBuilder(HostBuild& build, const SbvhConfig& config)
@@ -104,23 +119,22 @@ private:
             return job.range.count <= config_.max_leaf_size ? Split{} : halve(job.range, arrays);
         }
         const Binning binning(job.bounds.centroids, config_.bin_count, false);
-        const ObjectRule object{binning, find_object_split(job, arrays.current, binning)};
-        const bool has_object_split = object.split.found();
-        Split split;
-        if (has_object_split) split = move(job.range, arrays, object);
-        if (job.range.capacity() > job.range.count && (!has_object_split || overlap(split.halves) > least_overlap_)) {
+        const ObjectSplit object = find_object_split(job, arrays.current, binning);
+        if (may_cut(job) && (!object.split.found() || object.overlap > least_overlap_)) {
             const SpatialBinning spatial_binning(job.bounds.box, config_.spatial_bin_count);
             const SpatialSplit spatial = find_spatial_split(job.range, arrays.current, spatial_binning);
-            if (spatial.cost < (has_object_split ? object.split.cost : halving_cost(job))) {
+            if (spatial.cost < (object.split.found() ? object.split.cost : halving_cost(job))) {
                 if (becomes_leaf(job, spatial.cost)) return {};
                 const Split cut = move(job.range, arrays, SpatialRule(build_.mesh, spatial_binning, spatial));
                 if (cut.border > 0) return cut;
-                if (has_object_split) split = move(job.range, arrays, object);
             }
         }
         if (becomes_leaf(job, object.split.cost)) return {};
-        return has_object_split ? split : halve(job.range, arrays);
+        return object.split.found() ? move(job.range, arrays, ObjectRule{binning, object.split})
+                                    : halve(job.range, arrays);
     }
+
+    [[nodiscard]] static bool may_cut(const Job& job) noexcept { return job.range.capacity() > job.range.count; }
 
     [[nodiscard]] bool becomes_leaf(const Job& job, float split_cost) const {
         if (job.range.count > config_.max_leaf_size) return false;
@@ -139,19 +153,31 @@ private:
         return area * cost_unit(area);
     }
 
-    /// Half area of what the boxes of both halves share.
-    static float overlap(const Halves& halves) noexcept {
-        const Box4 shared = intersect(halves[0].bounds.box, halves[1].bounds.box);
+    static float overlap_of(const std::array<Box4, 2>& halves) noexcept {
+        const Box4 shared = intersect(halves[0], halves[1]);
         return has_point(shared) ? shared.half_area() : 0.0f;
     }
 
-    [[nodiscard]] BinnedSplit find_object_split(const Job& job, const Reference* references,
+    [[nodiscard]] ObjectSplit find_object_split(const Job& job, const Reference* references,
                                                 const Binning& binning) const {
-        const float unit = cost_unit(job.bounds.box.half_area());
-        if (job.range.count <= kFewReferences) return find_split_of_few(job.range.chunk(references, 0), binning, unit);
+        const float area = job.bounds.box.half_area();
+        const float unit = cost_unit(area);
+        // What both halves share is no larger than the whole.
+        const bool needs_overlap = may_cut(job) && area > least_overlap_;
+        if (job.range.count <= kFewReferences) {
+            const std::span<const Reference> few = job.range.chunk(references, 0);
+            const ObjectRule rule{binning, find_split_of_few(few, binning, unit)};
+            if (!needs_overlap || !rule.split.found()) return {rule.split};
+            BoxesOfHalves boxes;
+            for (const Reference& reference : few)
+                rule(reference, boxes);
+            return {rule.split, overlap_of(boxes.boxes)};
+        }
         BinSet bins(config_.bin_count);
         add_chunks(job.range, references, bins, [&](BinSet& sum, const auto& chunk) { sum.add(chunk, binning); });
-        return bins.find_split(unit);
+        const BinnedSplit split = bins.find_split(unit);
+        if (!needs_overlap || !split.found()) return {split};
+        return {split, overlap_of(bins.boxes_of(split))};
     }
 
     [[nodiscard]] SpatialSplit find_spatial_split(const SpacedRange& range, const Reference* references,

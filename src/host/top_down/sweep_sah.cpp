@@ -275,6 +275,12 @@ void build_sweep_sah(HostBuild& build, const SweepSahConfig& config) {
     SweepSahBuilder(build, config).run();
 }
 
+void build_sweep_sah(std::span<const Aabb> bounds, const SweepSahConfig& config, Scratch& scratch, Bvh& result) {
+    check(config);
+    build_over_boxes(
+        bounds, [&](HostBuild& build) { build_sweep_sah(build, config); }, scratch, result);
+}
+
 }  // namespace clbvh::host
 
 namespace clbvh {
