@@ -19,8 +19,6 @@ struct AacConfig {
     float inner_cost = 1.2f;          ///< Cost of visiting a node, above 0; for flattening.
     float primitive_cost = 1.0f;      ///< Cost of testing one primitive, above 0; for flattening.
     std::uint32_t max_leaf_size = 8;  ///< Largest leaf, in primitives, 1 to 64. 1: no subtree is flattened.
-    bool keep_distances = false;  ///< In a matrix that children pass to their parent, as the paper does, rather than
-                                  ///< measuring them again: the same tree, slower wherever it was measured.
 
     /// The paper's AAC-HQ: for quality.
     [[nodiscard]] static constexpr AacConfig hq() noexcept { return {}; }

@@ -36,10 +36,8 @@ struct Clusters {
 /// Work spaces, one for each thread of the arena, each as large as that thread has needed so far.
 class Stacks {
 public:
-    Stacks(Scratch& scratch, bool keep_distances)
-        : scratch_(scratch),
-          keep_distances_(keep_distances),
-          stacks_(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency())) {}
+    explicit Stacks(Scratch& scratch)
+        : scratch_(scratch), stacks_(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency())) {}
 
     /// For the calling thread, as long as it starts no tasks.
     Stack& of_this_thread(std::size_t capacity) {
@@ -53,18 +51,17 @@ private:
         Stack stack;
         const std::size_t padded = capacity + kStackPadding;
         stack.capacity = capacity;
-        stack.stride = padded;
         for (float*& bound : stack.bounds)
             bound = scratch_.take<float>(padded).data();
         stack.best = scratch_.take<float>(padded).data();
         stack.closest = scratch_.take<std::uint32_t>(padded).data();
         stack.clusters = scratch_.take<Cluster>(capacity).data();
-        stack.distances = scratch_.take<float>(padded * (keep_distances_ ? capacity : 2)).data();
+        stack.merged_distances = scratch_.take<float>(padded).data();
+        stack.own_distances = scratch_.take<float>(padded).data();
         return stack;
     }
 
     Scratch& scratch_;
-    bool keep_distances_;
     std::vector<Stack> stacks_;
 };
 
@@ -78,8 +75,8 @@ public:
           task_size_(std::max(kTask, config.delta)),
           reduction_(variant.reduction),
           small_reductions_(variant.reduction, task_size_),
-          clusterer_(clusterer<Code>(variant.instruction_set, config.keep_distances)),
-          stacks_(build.scratch, config.keep_distances),
+          clusterer_(clusterer<Code>(variant.instruction_set)),
+          stacks_(build.scratch),
           nodes_(build.scratch.take<Node>(2 * std::size_t{count_})),
           extents_(build.scratch.take<Extent>(count_)),
           problem_{{config.delta, config.inner_cost, config.primitive_cost, config.max_leaf_size},

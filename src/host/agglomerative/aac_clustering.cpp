@@ -83,17 +83,17 @@ InstructionSet best_instruction_set() noexcept {
 }
 
 template <typename Code>
-Clusterer<Code> clusterer([[maybe_unused]] InstructionSet set, bool keep_distances) noexcept {
+Clusterer<Code> clusterer([[maybe_unused]] InstructionSet set) noexcept {
 #if defined(CLBVH_AAC_HAS_AVX2)
-    if (set == InstructionSet::avx2) return avx2::clusterer<Code>(keep_distances);
+    if (set == InstructionSet::avx2) return avx2::clusterer<Code>();
 #endif
 #if defined(CLBVH_HAS_SSE2)
-    if (set == InstructionSet::sse2) return sse2::clusterer<Code>(keep_distances);
+    if (set == InstructionSet::sse2) return sse2::clusterer<Code>();
 #endif
-    return scalar::clusterer<Code>(keep_distances);
+    return scalar::clusterer<Code>();
 }
 
-template Clusterer<std::uint32_t> clusterer(InstructionSet, bool) noexcept;
-template Clusterer<std::uint64_t> clusterer(InstructionSet, bool) noexcept;
+template Clusterer<std::uint32_t> clusterer(InstructionSet) noexcept;
+template Clusterer<std::uint64_t> clusterer(InstructionSet) noexcept;
 
 }  // namespace clbvh::host::aac

@@ -23,14 +23,13 @@ struct Clusterer {
     std::uint32_t (*build_tree)(const Problem<Code>& problem, Stack& stack, std::uint32_t begin, std::uint32_t end,
                                 std::uint32_t most) noexcept;
     /// What BuildTree does with the clusters of its two children, 0 .. middle and middle .. top, with their closest
-    /// ones but without distances. Leaves at most `target` clusters; returns how many.
+    /// ones. Leaves at most `target` clusters; returns how many.
     std::uint32_t (*unite)(const Problem<Code>& problem, Stack& stack, std::uint32_t middle, std::uint32_t top,
                            std::uint32_t target) noexcept;
 };
 
-/// `set` is available. `keep_distances`: in the matrix, as section 3.3.1 has it; else they are measured again where
-/// they are needed, which gives the same tree. Code is std::uint32_t or std::uint64_t.
+/// `set` is available. Code is std::uint32_t or std::uint64_t.
 template <typename Code>
-[[nodiscard]] Clusterer<Code> clusterer(InstructionSet set, bool keep_distances) noexcept;
+[[nodiscard]] Clusterer<Code> clusterer(InstructionSet set) noexcept;
 
 }  // namespace clbvh::host::aac

@@ -32,7 +32,7 @@ struct Box {
     }
 };
 
-template <typename Code, bool kKeepDistances>
+template <typename Code>
 class Clustering {
 public:
     /// Sibling pairs are taken from `next_pair` down; 0: from the clusters.
@@ -61,7 +61,7 @@ public:
     /// Makes one range of two, and at most `target` clusters of it. Returns its end.
     std::uint32_t unite(std::uint32_t base, std::uint32_t middle, std::uint32_t top, std::uint32_t target) noexcept {
 #if defined(CLBVH_AAC_HAS_SMALL_SETS)
-        if (!kKeepDistances && top - base <= SmallSet::kMostClusters) {
+        if (top - base <= SmallSet::kMostClusters) {
             SmallSet set(stack_, base, top);
             set.find_across(stack_, base, middle - base);
             return combine_small(set, base, target);
@@ -83,26 +83,11 @@ public:
         return top;
     }
 
-    /// Measures what a range that came from elsewhere has measured before.
-    void measure_all(std::uint32_t base, std::uint32_t top) noexcept {
-        if constexpr (!kKeepDistances) return;
-        for (std::uint32_t i = base; i < top; ++i) {
-            const Box box(stack_, i);
-            for (std::uint32_t j = base; j < top; j += Floats::kCount)
-                box.distances(stack_, j).store(row(i) + j);
-            row(i)[i] = kFar;
-        }
-    }
-
 private:
     void fetch(std::uint32_t begin, std::uint32_t end) const noexcept {
         for (std::uint32_t position = begin; position < end; ++position) {
             prefetch(problem_.references + problem_.ids[position]);
         }
-    }
-
-    [[nodiscard]] float* row(std::uint32_t cluster) const noexcept {
-        return stack_.distances + (kKeepDistances ? cluster * stack_.stride : 0);
     }
 
     std::uint32_t build_leaf(std::uint32_t begin, std::uint32_t end, std::uint32_t base,
@@ -111,7 +96,7 @@ private:
         for (std::uint32_t i = base; i < top; ++i)
             push_primitive(begin + (i - base), i);
 #if defined(CLBVH_AAC_HAS_SMALL_SETS)
-        if (!kKeepDistances && top - base <= SmallSet::kMostClusters) {
+        if (top - base <= SmallSet::kMostClusters) {
             SmallSet set(stack_.clusters + base, top - base);
             return combine_small(set, base, target);
         }
@@ -120,10 +105,9 @@ private:
             set_bounds(i, box_of(stack_.clusters[i].node));
         if (top - base == 1) {
             stack_.best[base] = kFar;
-            row(base)[base] = kFar;
         } else {
             for (std::uint32_t i = base; i < top; ++i)
-                find_best_match(i, base, top, row(i));
+                find_best_match(i, base, top, stack_.own_distances);
         }
         return combine(base, top, target);
     }
@@ -174,7 +158,7 @@ private:
         }
     }
 
-    /// Measures the distances of `cluster` to all others of its range, and finds its closest.
+    /// Measures the distances of `cluster` to all others of its range, into `distances`, and finds its closest.
     void find_best_match(std::uint32_t cluster, std::uint32_t base, std::uint32_t top, float* distances) noexcept {
         const Box box(stack_, cluster);
         Floats least = Floats::filled(kFar);
@@ -186,13 +170,6 @@ private:
         }
         stack_.best[cluster] = least.least();
         stack_.closest[cluster] = find_next(distances, stack_.best[cluster], base, top, cluster);
-    }
-
-    /// The same from the distances that were kept.
-    void find_best_match_again(std::uint32_t cluster, std::uint32_t base, std::uint32_t top) noexcept {
-        if constexpr (!kKeepDistances) return find_best_match(cluster, base, top, stack_.distances + stack_.stride);
-        stack_.best[cluster] = find_least(row(cluster), base, top);
-        stack_.closest[cluster] = find_next(row(cluster), stack_.best[cluster], base, top, cluster);
     }
 
     [[nodiscard]] static float find_least(const float* values, std::uint32_t base, std::uint32_t top) noexcept {
@@ -234,7 +211,6 @@ private:
             Floats closest = Floats::load(reinterpret_cast<const float*>(stack.closest) + j);
             for (std::uint32_t i = other_base; i < other_top; ++i) {
                 const Floats distance = Box(stack, i).distances(stack, j);
-                if constexpr (kKeepDistances) distance.store_first(top - j, row(i) + j);
                 const Mask closer = less(distance, best);
                 best = min(distance, best);
                 closest = select(closer, Floats::index(i), closest);
@@ -251,9 +227,8 @@ private:
         const std::uint32_t high = std::max(a, b);
         const std::uint32_t last = top - 1;
         set_bounds(low, merge_clusters(low, high, stack_.best[a]));
-        if (high != last) move(last, high, base, last);
-        find_best_match(low, base, last, row(low));
-        if constexpr (kKeepDistances) fill_columns(low, high, base, last);
+        if (high != last) move(last, high);
+        find_best_match(low, base, last, stack_.merged_distances);
         update_closest(low, high, base, last);
         return high;
     }
@@ -299,32 +274,12 @@ private:
         return box;
     }
 
-    void move(std::uint32_t from, std::uint32_t to, std::uint32_t base, std::uint32_t top) noexcept {
+    void move(std::uint32_t from, std::uint32_t to) noexcept {
         stack_.clusters[to] = stack_.clusters[from];
         for (float* const bound : stack_.bounds)
             bound[to] = bound[from];
         stack_.best[to] = stack_.best[from];
         stack_.closest[to] = stack_.closest[from];
-        if constexpr (!kKeepDistances) return;
-        for (std::uint32_t j = base; j < top; j += Floats::kCount)
-            Floats::load(row(from) + j).store(row(to) + j);
-        row(to)[to] = kFar;
-    }
-
-    /// The matrix is symmetric: what stands in the rows of the merged and the moved cluster goes to their columns.
-    void fill_columns(std::uint32_t low, std::uint32_t high, std::uint32_t base, std::uint32_t top) noexcept {
-        const float* const low_row = row(low);
-        if (high == top) {
-            for (std::uint32_t j = base; j < top; ++j)
-                row(j)[low] = low_row[j];
-            return;
-        }
-        float* const high_row = row(high);
-        high_row[low] = low_row[high];
-        for (std::uint32_t j = base; j < top; ++j) {
-            row(j)[low] = low_row[j];
-            row(j)[high] = high_row[j];
-        }
     }
 
     /// Clusters whose closest was merged look for another one; those whose closest was moved follow it.
@@ -344,10 +299,10 @@ private:
     /// The merged cluster is no closer than its parts were; where it is as close, there is nothing to look for.
     void replace_closest(std::uint32_t cluster, std::uint32_t merged, std::uint32_t base, std::uint32_t top) noexcept {
         if (cluster == merged) return;
-        if (row(merged)[cluster] == stack_.best[cluster]) {
+        if (stack_.merged_distances[cluster] == stack_.best[cluster]) {
             stack_.closest[cluster] = merged;
         } else {
-            find_best_match_again(cluster, base, top);
+            find_best_match(cluster, base, top, stack_.own_distances);
         }
     }
 
@@ -356,27 +311,24 @@ private:
     std::uint32_t next_pair_;
 };
 
-template <typename Code, bool kKeepDistances>
+template <typename Code>
 std::uint32_t build_tree(const Problem<Code>& problem, Stack& stack, std::uint32_t begin, std::uint32_t end,
                          std::uint32_t most) noexcept {
-    Clustering<Code, kKeepDistances> clustering(problem, stack, end - 1);
+    Clustering<Code> clustering(problem, stack, end - 1);
     const std::uint32_t top = clustering.combine(0, clustering.build_tree(begin, end, 0, false), most);
     for (std::uint32_t i = 0; i < top; ++i)
         stack.clusters[i].pair = begin + i;
     return top;
 }
 
-template <typename Code, bool kKeepDistances>
+template <typename Code>
 std::uint32_t unite(const Problem<Code>& problem, Stack& stack, std::uint32_t middle, std::uint32_t top,
                     std::uint32_t target) noexcept {
-    Clustering<Code, kKeepDistances> clustering(problem, stack, 0);
-    clustering.measure_all(0, middle);
-    clustering.measure_all(middle, top);
+    Clustering<Code> clustering(problem, stack, 0);
     return clustering.unite(0, middle, top, target);
 }
 
 template <typename Code>
-Clusterer<Code> clusterer(bool keep_distances) noexcept {
-    if (keep_distances) return {build_tree<Code, true>, unite<Code, true>};
-    return {build_tree<Code, false>, unite<Code, false>};
+Clusterer<Code> clusterer() noexcept {
+    return {build_tree<Code>, unite<Code>};
 }

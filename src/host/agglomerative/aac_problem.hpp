@@ -145,8 +145,8 @@ struct Stack {
     float* best = nullptr;             ///< Distance to the closest cluster of the same range; infinite without one.
     std::uint32_t* closest = nullptr;  ///< Which that is.
     Cluster* clusters = nullptr;
-    std::size_t stride = 0;      ///< Of rows of the matrix.
-    float* distances = nullptr;  ///< The matrix; two rows where it is not kept.
+    float* merged_distances = nullptr;  ///< Of the cluster that was merged last, to each other one.
+    float* own_distances = nullptr;     ///< Of a cluster that looks for its closest.
 };
 
 /// Clusters beyond the end of the stack that vectors may touch.

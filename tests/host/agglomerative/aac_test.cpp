@@ -229,17 +229,14 @@ TEST_CASE("AAC is what the paper's algorithms say", "[host][aac]") {
 }
 
 TEST_CASE("AAC without reduction is greedy agglomerative clustering", "[host][aac]") {
-    AacConfig config = without_flattening(AacConfig::hq());
+    const AacConfig config = without_flattening(AacConfig::hq());
     for (const InstructionSet set : kInstructionSets) {
         if (!is_available(set)) continue;
-        for (const bool keep_distances : {false, true}) {
-            const Variant variant{Reduction::none(), set};
-            config.keep_distances = keep_distances;
-            for (const std::size_t count : {1, 2, 3, 8, 9, 50, 1000}) {
-                INFO(count << " boxes, instruction set " << static_cast<int>(set) << ", matrix " << keep_distances);
-                for (const std::vector<Aabb>& boxes : {random_boxes(count), grid_boxes(count)})
-                    CHECK(check_greedy(build_variant(boxes, config, variant), boxes) == "");
-            }
+        const Variant variant{Reduction::none(), set};
+        for (const std::size_t count : {1, 2, 3, 8, 9, 50, 1000}) {
+            INFO(count << " boxes, instruction set " << static_cast<int>(set));
+            for (const std::vector<Aabb>& boxes : {random_boxes(count), grid_boxes(count)})
+                CHECK(check_greedy(build_variant(boxes, config, variant), boxes) == "");
         }
     }
 }
@@ -250,22 +247,17 @@ TEST_CASE("AAC without reduction is greedy where several tasks meet", "[host][aa
     CHECK(check_greedy(bvh, boxes) == "");
 }
 
-TEST_CASE("AAC gives the same tree with any vectors, with and without the matrix", "[host][aac]") {
+TEST_CASE("AAC gives the same tree with any vectors", "[host][aac]") {
     std::vector<BoxSet> sets = hard_box_sets(3000);
     sets.push_back({"random boxes", random_boxes(20'000)});
     sets.push_back({"boxes on a grid", grid_boxes(20'000)});
     for (const BoxSet& set : sets) {
-        for (AacConfig config : {AacConfig::hq(), AacConfig::fast()}) {
-            config.keep_distances = true;
+        for (const AacConfig& config : {AacConfig::hq(), AacConfig::fast()}) {
             const Bvh expected = build_variant(set.boxes, config, {reduction_of(config), InstructionSet::scalar});
             for (const InstructionSet instructions : kInstructionSets) {
                 if (!is_available(instructions)) continue;
-                for (const bool keep_distances : {false, true}) {
-                    INFO(set.name << ", delta " << config.delta << ", instruction set "
-                                  << static_cast<int>(instructions) << ", matrix " << keep_distances);
-                    config.keep_distances = keep_distances;
-                    CHECK(same_tree(expected, build_variant(set.boxes, config, {reduction_of(config), instructions})));
-                }
+                INFO(set.name << ", delta " << config.delta << ", instruction set " << static_cast<int>(instructions));
+                CHECK(same_tree(expected, build_variant(set.boxes, config, {reduction_of(config), instructions})));
             }
         }
     }
