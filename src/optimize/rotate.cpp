@@ -151,6 +151,15 @@ void order_pair(Node& a, Node& b) {
     if (is_b_lower) std::swap(a, b);
 }
 
+/// Of each two siblings the lower one first, as order_pair() has it. Kensler 2008, section 5.
+void order_siblings(Bvh& tree) {
+    // Whatever an unused slot holds stays unused.
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(1, tree.nodes.size() / 2, 8192), [&](const auto& pairs) {
+        for (std::size_t pair = pairs.begin(); pair < pairs.end(); ++pair)
+            order_pair(tree.nodes[2 * pair], tree.nodes[2 * pair + 1]);
+    });
+}
+
 }  // namespace
 
 Bvh rotate(Bvh tree, const RotateConfig& config, OptimizeStats* stats) {
@@ -173,14 +182,6 @@ Bvh anneal(Bvh tree, const AnnealConfig& config, OptimizeStats* stats) {
         const OptimizeStats done = Annealer(improved, config).run();
         order_siblings(improved);
         return done;
-    });
-}
-
-void order_siblings(Bvh& tree) {
-    // Whatever an unused slot holds stays unused.
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(1, tree.nodes.size() / 2, 8192), [&](const auto& pairs) {
-        for (std::size_t pair = pairs.begin(); pair < pairs.end(); ++pair)
-            order_pair(tree.nodes[2 * pair], tree.nodes[2 * pair + 1]);
     });
 }
 

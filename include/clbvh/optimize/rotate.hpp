@@ -18,9 +18,9 @@ struct RotateConfig {
 };
 
 /// Works in the calling task arena of oneTBB; the tree is the same on any number of threads. It takes every tree that
-/// validate() accepts; leaves stay as they are, and the SAH cost never rises. Siblings are ordered in the end as
-/// section 5 has it (see order_siblings). Throws Error(invalid_input) where a field of `config` is out of its range,
-/// naming it; Error(out_of_memory).
+/// validate() accepts; leaves stay as they are, and the SAH cost never rises. In the end siblings are ordered along
+/// the axis on which their boxes are farthest apart, or else overlap least, the lower one first (section 5). Throws
+/// Error(invalid_input) where a field of `config` is out of its range, naming it; Error(out_of_memory).
 [[nodiscard]] Bvh rotate(Bvh tree, const RotateConfig& config = {}, OptimizeStats* stats = nullptr);
 
 /// Simulated annealing by tree rotations: while it is hot, exchanges that cost something are made too, at random.
@@ -40,9 +40,5 @@ struct AnnealConfig {
 /// As rotate(); returns the best tree that a pass ended with, so that the SAH cost never rises. The same seed gives the
 /// same tree on any number of threads: the random numbers belong to nodes and passes.
 [[nodiscard]] Bvh anneal(Bvh tree, const AnnealConfig& config = {}, OptimizeStats* stats = nullptr);
-
-/// Orders each two siblings along the axis on which their boxes are farthest apart, or else overlap least, the lower
-/// one first (Kensler 2008, section 5).
-void order_siblings(Bvh& tree);
 
 }  // namespace clbvh
