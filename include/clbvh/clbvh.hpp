@@ -1,7 +1,7 @@
 #pragma once
 
-/// Trees: building, improving, tracing and measuring them. Files live in clbvh/io/ (the library clbvh::io), cameras, sets of rays
-/// and cost fits in clbvh/eval/ (clbvh::eval).
+/// Trees: building, improving, tracing and measuring them. Files live in clbvh/io/ (the library clbvh::io), cameras,
+/// sets of rays and cost fits in clbvh/eval/ (clbvh::eval).
 
 #include "clbvh/builder.hpp"
 #include "clbvh/core/aabb.hpp"
@@ -30,7 +30,7 @@
 #include "clbvh/metrics/epo.hpp"
 #include "clbvh/metrics/lcv.hpp"
 #include "clbvh/metrics/sah.hpp"
-#include "clbvh/metrics/tree_shape.hpp"
+#include "clbvh/metrics/tree_statistics.hpp"
 #include "clbvh/optimize/rebuild.hpp"
 #include "clbvh/optimize/refit.hpp"
 #include "clbvh/optimize/reinsert.hpp"

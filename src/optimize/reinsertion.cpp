@@ -22,8 +22,8 @@ inline std::size_t ReinsertionSearch::consider(float gain, float area, std::uint
     return size + 1;
 }
 
-inline std::size_t ReinsertionSearch::look_at_pair(const Place& place, const Subtree& subtree, Reinsertion& best,
-                                                   std::size_t size) {
+inline std::size_t ReinsertionSearch::visit_pair(const Place& place, const Subtree& subtree, Reinsertion& best,
+                                                 std::size_t size) {
     const Box4 left = tree_.box(place.pair);
     const Box4 right = tree_.box(place.pair + 1);
     Box4 with_left = left;
@@ -45,7 +45,7 @@ inline void ReinsertionSearch::look_below(float saved, std::uint32_t node, const
         // A new parent is no smaller than the subtree.
         if (place.saved - subtree.area <= best.gain) continue;
         if (stack_.size() < size + 2) stack_.resize(2 * size + 64);
-        size = look_at_pair(place, subtree, best, size);
+        size = visit_pair(place, subtree, best, size);
     }
 }
 

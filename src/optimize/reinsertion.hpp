@@ -43,7 +43,7 @@ private:
     };
 
     void look_below(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best);
-    std::size_t look_at_pair(const Place& place, const Subtree& subtree, Reinsertion& best, std::size_t size);
+    std::size_t visit_pair(const Place& place, const Subtree& subtree, Reinsertion& best, std::size_t size);
     std::size_t consider(float gain, float area, std::uint32_t node, const Subtree& subtree, Reinsertion& best,
                          std::size_t size);
 

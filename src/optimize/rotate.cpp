@@ -21,8 +21,8 @@
 #include "core/exact_areas.hpp"
 #include "core/random.hpp"
 #include "optimize/pass_clock.hpp"
-#include "optimize/rotation.hpp"
 #include "optimize/run_optimizer.hpp"
+#include "optimize/tree_rotation.hpp"
 
 namespace clbvh {
 namespace {

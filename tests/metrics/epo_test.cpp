@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "clbvh/io/scene.hpp"
-#include "clbvh/metrics/tree_shape.hpp"
+#include "clbvh/metrics/tree_statistics.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
 #include "support/meshes.hpp"
@@ -221,9 +221,9 @@ TEST_CASE("very many triangles with the same box are no trouble") {
     const Bvh bvh = Builder("locally-ordered").build(mesh);
     // Every node holds all triangles, of which each is foreign to all nodes but those above it.
     const double all_nodes = 1.2 * static_cast<double>(count - 1) + static_cast<double>(count);
-    const TreeShape shape = tree_shape(bvh);
-    REQUIRE(shape.leaves == count);
-    const double own = 1.2 * shape.mean_leaf_depth() + 1.0;
+    const TreeStatistics statistics = tree_statistics(bvh);
+    REQUIRE(statistics.leaves == count);
+    const double own = 1.2 * statistics.mean_leaf_depth() + 1.0;
     CHECK(end_point_overlap(bvh, mesh) == Approx(all_nodes - own).epsilon(1e-9));
     CHECK(end_point_overlap_sampled(bvh, mesh, 1000).value == Approx(all_nodes - own).epsilon(1e-3));
 }

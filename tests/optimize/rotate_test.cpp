@@ -6,7 +6,7 @@
 #include "clbvh/core/validate.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
-#include "optimize/rotation.hpp"
+#include "optimize/tree_rotation.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "measure/both_ways.hpp"
 #include "measure/ray_engine.hpp"
+#include "measure/wide_and_binary.hpp"
 
 namespace clbvh::tool {
 
@@ -13,7 +13,7 @@ void bench_rays(std::span<BuildResult> results, std::span<const std::unique_ptr<
                 const Mesh& mesh, const Camera& camera, std::size_t runs, std::uint32_t threads,
                 RoundsProgress& progress) {
     std::vector<std::unique_ptr<RayEngine>> engines;
-    BothWays traced;
+    WideAndBinary traced;
     std::vector<BuildResult*> results_of;
     for (std::size_t i = 0; i < entrants.size(); ++i) {
         if (!results[i].has_tree || !results[i].valid.value_or(true)) continue;

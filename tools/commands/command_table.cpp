@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "aila2013/nine_builders.hpp"
-#include "aila2013/nine_report.hpp"
-#include "aila2013/nine_scene.hpp"
+#include "aila2013/aila_builders.hpp"
+#include "aila2013/aila_report.hpp"
+#include "aila2013/aila_scene.hpp"
 #include "cli/build_arguments.hpp"
 #include "cli/builder_choice.hpp"
 #include "cli/interrupt.hpp"
@@ -46,9 +46,9 @@ constexpr std::uint32_t kPaperLeaf = 8;
 constexpr const char* kWayOut = "--builders bbvh,sbvh,agglo needs no device";
 
 /// The device that builders need; where none does, one to trace on if there is any.
-BuilderChoice open_device(const std::vector<NineBuilder>& nine, const std::string& device) {
+BuilderChoice open_device(const std::vector<AilaBuilder>& builders, const std::string& device) {
     std::string ids;
-    for (const NineBuilder& each : nine)
+    for (const AilaBuilder& each : builders)
         ids += (ids.empty() ? "" : ",") + std::string(each.builder);
     BuilderChoice choice = choose_builders(ids, device, kWayOut);
     if (choice.context) return choice;
@@ -65,7 +65,7 @@ BuilderChoice open_device(const std::vector<NineBuilder>& nine, const std::strin
 class Comparing {
 public:
     explicit Comparing(const TableArguments& arguments) : arguments_(arguments) {
-        settings_.builders = choose_nine(arguments.builders);
+        settings_.builders = choose_aila_builders(arguments.builders);
         choice_ = open_device(settings_.builders, arguments.build.device);
         settings_.trees = {arguments.build.options, arguments.annealing, choice_.context};
         settings_.runs = arguments.measuring.runs;
@@ -82,10 +82,10 @@ public:
             const ViewedScene viewed =
                 load_viewed(scene, arguments_.loading, arguments_.view, arguments_.build.options.thread_count);
             throw_if_interrupted();
-            scenes_.push_back(measure_nine(settings_, arguments_.rays, scene, viewed, bar));
+            scenes_.push_back(measure_aila_scene(settings_, arguments_.rays, scene, viewed, bar));
             bar.erase();
             const std::vector<Prediction> predictions = predict(scenes_.back());
-            report_.print_tables(nine_report(scenes_.back(), predictions) + '\n');
+            report_.print_tables(aila_report(scenes_.back(), predictions) + '\n');
             std::ranges::copy(predictions, std::back_inserter(predictions_));
         }
         report_.print(pooled_report(predictions_));
@@ -95,7 +95,7 @@ public:
 
     [[nodiscard]] nlohmann::ordered_json document() const {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();
-        for (const NineScene& scene : scenes_) {
+        for (const AilaScene& scene : scenes_) {
             for (nlohmann::ordered_json& result : to_json(scene))
                 list.push_back(std::move(result));
         }
@@ -110,7 +110,7 @@ public:
     /// Tells standard error about builders whose hits are not the first one's, and returns the exit code.
     [[nodiscard]] int finish() const {
         std::vector<TraceResult> traces;
-        for (const NineScene& scene : scenes_) {
+        for (const AilaScene& scene : scenes_) {
             std::ranges::transform(scene.host, std::back_inserter(traces), &MetricsResult::trace);
             std::ranges::transform(scene.device, std::back_inserter(traces), &MetricsResult::trace);
         }
@@ -121,16 +121,16 @@ private:
     const TableArguments& arguments_;
     BuilderChoice choice_;
     SceneReport report_{choice_, arguments_.loading, arguments_.json};
-    NineSettings settings_;
-    std::vector<NineScene> scenes_;
+    AilaSettings settings_;
+    std::vector<AilaScene> scenes_;
     std::vector<Prediction> predictions_;
 };
 
 /// Two ways to split triangles do not go together.
 void check_splitting(const TableArguments& arguments) {
     if (arguments.build.options.presplit_level == 0) return;
-    for (const NineBuilder& nine : choose_nine(arguments.builders)) {
-        if (nine.id == "streelet")
+    for (const AilaBuilder& builder : choose_aila_builders(arguments.builders)) {
+        if (builder.id == "streelet")
             throw Error(ErrorCode::invalid_input,
                         "--presplit: STreelet splits triangles by a quota of its own; leave one of them out");
     }

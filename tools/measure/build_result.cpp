@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <clbvh/core/validate.hpp>
 #include <clbvh/metrics/sah.hpp>
-#include <clbvh/metrics/tree_shape.hpp>
+#include <clbvh/metrics/tree_statistics.hpp>
 #include <cstddef>
 #include <limits>
 
@@ -94,11 +94,11 @@ void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool v
     // A broken tree may have cycles: no cost of it is defined.
     result.sah = std::numeric_limits<double>::quiet_NaN();
     if (!result.valid.value_or(true)) return;
-    const TreeShape shape = tree_shape(bvh);
-    result.depth = shape.depth();
-    result.nodes = shape.nodes;
-    result.leaves = shape.leaves;
-    result.references = shape.references;
+    const TreeStatistics statistics = tree_statistics(bvh);
+    result.depth = statistics.depth();
+    result.nodes = statistics.nodes;
+    result.leaves = statistics.leaves;
+    result.references = statistics.references;
     result.sah = sah_cost(bvh);
 }
 

@@ -6,8 +6,8 @@
 
 #include "cli/interrupt.hpp"
 #include "cli/stopwatch.hpp"
-#include "measure/both_ways.hpp"
 #include "measure/rounds.hpp"
+#include "measure/wide_and_binary.hpp"
 
 namespace clbvh::tool {
 MetricsResult describe_metrics(const TraceResult& base, const Bvh& bvh, const Mesh& mesh, std::uint64_t epo_samples,
@@ -16,7 +16,7 @@ MetricsResult describe_metrics(const TraceResult& base, const Bvh& bvh, const Me
     bar.show_now(0.0, label);
     MetricsResult result;
     result.trace = base;
-    result.shape = tree_shape(bvh);
+    result.statistics = tree_statistics(bvh);
     const Stopwatch stopwatch;
     if (epo_samples > 0) {
         const Estimate estimate = end_point_overlap_sampled(bvh, mesh, epo_samples);
@@ -38,7 +38,7 @@ void measure_candidates(std::span<const TraceCandidate> candidates, RayEngine& r
     const TraceResult& first = candidates.front().base;
     const std::string title = fmt::format("{}, {} rays on {}", first.scene, to_string(set.kind), first.traced_on);
     RoundsProgress progress(title, bar);
-    BothWays field;
+    WideAndBinary field;
     for (const TraceCandidate& candidate : candidates)
         field.add(candidate.base.builder, *candidate.engine);
     field.measure(reference, set, runs, progress);

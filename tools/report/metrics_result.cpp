@@ -10,8 +10,9 @@
 namespace clbvh::tool {
 namespace {
 
-double primitives_per_leaf(const TreeShape& shape) {
-    return shape.leaves > 0 ? static_cast<double>(shape.references) / static_cast<double>(shape.leaves) : 0.0;
+double primitives_per_leaf(const TreeStatistics& statistics) {
+    return statistics.leaves > 0 ? static_cast<double>(statistics.references) / static_cast<double>(statistics.leaves)
+                                 : 0.0;
 }
 
 std::string epo_text(const MetricsResult& result) {
@@ -38,14 +39,14 @@ nlohmann::ordered_json to_json(const MetricsResult& result) {
     json["epo_ms"] = result.epo_ms;
     json["lcv"] = result.trace.cost.leaf_count_variability;
     json["steps_per_ray"] = result.trace.cost.steps_per_ray();
-    json["sibling_overlap"] = result.shape.sibling_overlap;
-    json["depth"] = result.shape.depth();
-    json["mean_leaf_depth"] = result.shape.mean_leaf_depth();
-    json["nodes"] = result.shape.nodes;
-    json["leaves"] = result.shape.leaves;
-    json["references"] = result.shape.references;
-    json["leaves_by_depth"] = result.shape.leaves_by_depth;
-    json["leaves_by_size"] = result.shape.leaves_by_size;
+    json["sibling_overlap"] = result.statistics.sibling_overlap;
+    json["depth"] = result.statistics.depth();
+    json["mean_leaf_depth"] = result.statistics.mean_leaf_depth();
+    json["nodes"] = result.statistics.nodes;
+    json["leaves"] = result.statistics.leaves;
+    json["references"] = result.statistics.references;
+    json["leaves_by_depth"] = result.statistics.leaves_by_depth;
+    json["leaves_by_size"] = result.statistics.leaves_by_size;
     return json;
 }
 
@@ -56,10 +57,10 @@ std::string metrics_report(std::span<const MetricsResult> results) {
         {"SAH", [](Result r) { return fixed_text(r.trace.sah, 3); }},
         {"EPO", epo_text},
         {"LCV", [](Result r) { return fixed_text(r.trace.cost.leaf_count_variability, 3); }},
-        {"overlap", [](Result r) { return fixed_text(r.shape.sibling_overlap, 3); }},
-        {"depth", [](Result r) { return std::to_string(r.shape.depth()); }},
-        {"mean depth", [](Result r) { return fixed_text(r.shape.mean_leaf_depth(), 1); }},
-        {"leaves", [](Result r) { return std::to_string(r.shape.leaves); }},
+        {"overlap", [](Result r) { return fixed_text(r.statistics.sibling_overlap, 3); }},
+        {"depth", [](Result r) { return std::to_string(r.statistics.depth()); }},
+        {"mean depth", [](Result r) { return fixed_text(r.statistics.mean_leaf_depth(), 1); }},
+        {"leaves", [](Result r) { return std::to_string(r.statistics.leaves); }},
         {"prims/leaf", [](Result r) { return fixed_text(primitives_per_leaf(r.shape), 2); }},
         {"steps/ray", [](Result r) { return fixed_text(r.trace.cost.steps_per_ray(), 2); }},
         {"tris/ray", [](Result r) { return fixed_text(r.trace.cost.triangles_per_ray, 2); }},

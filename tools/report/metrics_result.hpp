@@ -1,7 +1,7 @@
 #pragma once
 
 #include <clbvh/eval/cost_fit.hpp>
-#include <clbvh/metrics/tree_shape.hpp>
+#include <clbvh/metrics/tree_statistics.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
@@ -15,7 +15,7 @@ namespace clbvh::tool {
 /// What is known of the tree of one builder, and what its rays cost.
 struct MetricsResult {
     TraceResult trace;
-    TreeShape shape;
+    TreeStatistics statistics;
     double epo = 0.0;
     std::optional<double> epo_error;  ///< Standard error; absent where EPO is exact.
     double epo_ms = 0.0;              ///< What it took to compute, by the wall clock.

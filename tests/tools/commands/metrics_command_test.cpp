@@ -6,7 +6,7 @@
 #include <clbvh/metrics/epo.hpp>
 #include <clbvh/metrics/lcv.hpp>
 #include <clbvh/metrics/sah.hpp>
-#include <clbvh/metrics/tree_shape.hpp>
+#include <clbvh/metrics/tree_statistics.hpp>
 #include <clbvh/trace/tracer.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -71,16 +71,16 @@ TEST_CASE("metrics tells of a tree and of its rays what the library says of them
     std::vector<Ray> rays;
     for (const ordered_json& result : results) {
         const Bvh bvh = Builder(result["builder"].get<std::string>()).build(mesh);
-        const TreeShape shape = tree_shape(bvh);
+        const TreeStatistics statistics = tree_statistics(bvh);
         CHECK(result["sah"] == sah_cost(bvh));
         CHECK(result["epo"] == end_point_overlap(bvh, mesh));
         CHECK_FALSE(result.contains("epo_standard_error"));
         CHECK(result["epo_ms"].get<double>() > 0.0);
-        CHECK(result["depth"] == shape.depth());
-        CHECK(result["leaves"] == shape.leaves);
-        CHECK(result["leaves_by_depth"] == shape.leaves_by_depth);
-        CHECK(result["leaves_by_size"] == shape.leaves_by_size);
-        CHECK(result["sibling_overlap"] == shape.sibling_overlap);
+        CHECK(result["depth"] == statistics.depth());
+        CHECK(result["leaves"] == statistics.leaves);
+        CHECK(result["leaves_by_depth"] == statistics.leaves_by_depth);
+        CHECK(result["leaves_by_size"] == statistics.leaves_by_size);
+        CHECK(result["sibling_overlap"] == statistics.sibling_overlap);
         const Tracer tracer(bvh, mesh);
         if (rays.empty()) {
             const Camera camera = parse_camera(result["camera"].get<std::string>(), guess_up(mesh));

@@ -9,7 +9,7 @@
 #include <clbvh/io/scene.hpp>
 #include <clbvh/metrics/epo.hpp>
 #include <clbvh/metrics/sah.hpp>
-#include <clbvh/metrics/tree_shape.hpp>
+#include <clbvh/metrics/tree_statistics.hpp>
 #include <clbvh/optimize/rotate.hpp>
 #include <clbvh/optimizers.hpp>
 #include <fstream>
@@ -19,7 +19,7 @@
 #include <thread>
 #include <vector>
 
-#include "aila2013/nine_builders.hpp"
+#include "aila2013/aila_builders.hpp"
 #include "tools/result_fields.hpp"
 #include "tools/scratch_folder.hpp"
 #include "tools/tool_process.hpp"
@@ -34,7 +34,7 @@ namespace {
 using Words = std::vector<std::string>;
 
 const Words kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
-const Words kNine{"lbvh", "bbvh", "sbvh", "agglo", "bittner", "hclimb", "anneal", "treelet", "streelet"};
+const Words kAilaIds{"lbvh", "bbvh", "sbvh", "agglo", "bittner", "hclimb", "anneal", "treelet", "streelet"};
 const Words kFew{"--count", "2000", "--runs", "1", "--anneal-passes", "60"};
 
 Outcome table(Words words, const Words& environment = {}) {
@@ -94,13 +94,13 @@ std::map<std::string, Bvh> trees_by_hand(const Mesh& mesh) {
 
 TEST_CASE("the nine builders are those of the paper, each by ids that the library knows") {
     Words ids;
-    for (const tool::NineBuilder& nine : tool::nine_builders()) {
-        INFO(nine.title);
-        ids.emplace_back(nine.id);
-        CHECK(find_builder(nine.builder).id == nine.builder);
-        CHECK_NOTHROW(check_optimizers(nine.optimizers));
+    for (const tool::AilaBuilder& builder : tool::aila_builders()) {
+        INFO(builder.title);
+        ids.emplace_back(builder.id);
+        CHECK(find_builder(builder.builder).id == builder.builder);
+        CHECK_NOTHROW(check_optimizers(builder.optimizers));
     }
-    CHECK(ids == kNine);
+    CHECK(ids == kAilaIds);
 }
 
 TEST_CASE("table tells of each builder's tree what the library says of it") {
@@ -112,17 +112,17 @@ TEST_CASE("table tells of each builder's tree what the library says of it") {
     const Mesh mesh = generate_scene("city", 3000);
     const std::map<std::string, Bvh> trees = trees_by_hand(mesh);
     const ordered_json& results = document["results"];
-    REQUIRE(results.size() == kNine.size());
-    for (std::size_t i = 0; i < kNine.size(); ++i) {
+    REQUIRE(results.size() == kAilaIds.size());
+    for (std::size_t i = 0; i < kAilaIds.size(); ++i) {
         const ordered_json& result = results[i];
-        INFO(kNine[i]);
-        REQUIRE(result["builder"] == kNine[i]);
-        const Bvh& bvh = trees.at(kNine[i]);
-        const TreeShape shape = tree_shape(bvh);
+        INFO(kAilaIds[i]);
+        REQUIRE(result["builder"] == kAilaIds[i]);
+        const Bvh& bvh = trees.at(kAilaIds[i]);
+        const TreeStatistics statistics = tree_statistics(bvh);
         CHECK(result["sah"] == sah_cost(bvh));
         CHECK(result["epo"] == end_point_overlap(bvh, mesh));
-        CHECK(result["leaves_by_size"] == shape.leaves_by_size);
-        CHECK(result["depth"] == shape.depth());
+        CHECK(result["leaves_by_size"] == statistics.leaves_by_size);
+        CHECK(result["depth"] == statistics.depth());
         CHECK(result["mismatches"] == 0);
         CHECK(result["device_mismatches"] == 0);
         CHECK(result["cost_per_ray"].get<double>() ==

@@ -5,7 +5,7 @@
 #include <clbvh/core/validate.hpp>
 #include <clbvh/io/scene.hpp>
 #include <clbvh/metrics/sah.hpp>
-#include <clbvh/metrics/tree_shape.hpp>
+#include <clbvh/metrics/tree_statistics.hpp>
 #include <limits>
 
 #include "embree/embree_error.hpp"
@@ -86,7 +86,7 @@ TEST_CASE("Embree's trees are worth what such trees are worth") {
     CHECK(binned == Approx(sah_cost(build(mesh, "binned-sah"))).epsilon(0.05));
     CHECK(morton > binned);
     CHECK(sbvh < binned);
-    CHECK(tree_shape(trees[0]).leaves == 20000);
+    CHECK(tree_statistics(trees[0]).leaves == 20000);
     CHECK(trees[2].primitive_ids.size() > 20000);
     CHECK(trees[2].primitive_ids.size() <= 30000);
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "aila2013/nine_builders.hpp"
+#include "aila2013/aila_builders.hpp"
 #include "support/published_costs.hpp"
 #include "tools/scratch_folder.hpp"
 
@@ -36,9 +36,9 @@ Costs mean_relative(const Values& values_of) {
 void check_means(const json& field, const Costs& means) {
     REQUIRE(field.size() == kPublishedBuilders);
     std::size_t i = 0;
-    for (const tool::NineBuilder& nine : tool::nine_builders()) {
-        INFO(nine.id);
-        CHECK(field[std::string(nine.id)].get<double>() == Approx(means[i++]).margin(0.000501));
+    for (const tool::AilaBuilder& builder : tool::aila_builders()) {
+        INFO(builder.id);
+        CHECK(field[std::string(builder.id)].get<double>() == Approx(means[i++]).margin(0.000501));
     }
 }
 
@@ -66,11 +66,11 @@ TEST_CASE("a room and a scan of the paper's have these costs beside sweep trees"
     for (const PublishedScene& scene : kPublishedScenes) {
         if (!parts.contains(scene.name)) continue;
         std::size_t i = 0;
-        for (const tool::NineBuilder& nine : tool::nine_builders()) {
+        for (const tool::AilaBuilder& builder : tool::aila_builders()) {
             const double part = scene.sah[i++] / scene.sah[1];
-            INFO(scene.name << ", " << nine.id);
-            if (!parts[scene.name].contains(nine.id)) continue;
-            CHECK(parts[scene.name][std::string(nine.id)].get<double>() == Approx(part).margin(0.000501));
+            INFO(scene.name << ", " << builder.id);
+            if (!parts[scene.name].contains(builder.id)) continue;
+            CHECK(parts[scene.name][std::string(builder.id)].get<double>() == Approx(part).margin(0.000501));
         }
     }
 }

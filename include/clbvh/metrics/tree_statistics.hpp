@@ -8,7 +8,7 @@
 namespace clbvh {
 
 /// What a tree looks like.
-struct TreeShape {
+struct TreeStatistics {
     std::uint64_t nodes = 0;       ///< Nodes reached from the root.
     std::uint64_t leaves = 0;      ///< Leaves among them.
     std::uint64_t references = 0;  ///< Primitives of all leaves together; split ones count more than once.
@@ -27,8 +27,8 @@ struct TreeShape {
     [[nodiscard]] double mean_leaf_depth() const noexcept;
 };
 
-/// Describes a tree in one pass, without proving it right. Throws Error(invalid_input) where the nodes cannot be a
-/// tree: a child out of range, more visits than nodes, or a leaf of more primitives than there are ids.
-[[nodiscard]] TreeShape tree_shape(const Bvh& bvh);
+/// Describes a tree in one pass. Boxes are taken as they are. Throws Error(invalid_input) where the nodes form no tree,
+/// or a leaf refers beyond the ids, naming the first such node.
+[[nodiscard]] TreeStatistics tree_statistics(const Bvh& bvh);
 
 }  // namespace clbvh

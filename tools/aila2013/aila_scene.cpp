@@ -1,4 +1,4 @@
-#include "aila2013/nine_scene.hpp"
+#include "aila2013/aila_scene.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@ namespace {
 /// One scene's trees as rays see them; a tree itself goes when both engines have what they need.
 class Trees {
 public:
-    Trees(const NineSettings& settings, NineScene& result)
+    Trees(const AilaSettings& settings, AilaScene& result)
         : settings_(settings),
           result_(result),
           tracing_{{}, settings.runs, settings.trees.options, settings.trees.context} {
@@ -24,12 +24,12 @@ public:
         on_device_.on_device = true;
     }
 
-    void add(const NineBuilder& nine, const Mesh& mesh, ProgressBar& bar) {
-        const std::string label = fmt::format("{}, building with {}", result_.name, nine.title);
-        const NineTree tree = build_nine_tree(nine, settings_.trees, mesh, label, bar);
+    void add(const AilaBuilder& builder, const Mesh& mesh, ProgressBar& bar) {
+        const std::string label = fmt::format("{}, building with {}", result_.name, builder.title);
+        const AilaTree tree = build_aila_tree(builder, settings_.trees, mesh, label, bar);
         result_.build_ms.push_back(tree.build_ms);
         const TraceResult base =
-            describe_candidate(result_.name, mesh, nine.id, find_builder(nine.builder).kind, tree.bvh);
+            describe_candidate(result_.name, mesh, builder.id, find_builder(builder.builder).kind, tree.bvh);
         result_.host.push_back(describe_metrics(base, tree.bvh, mesh, settings_.epo_samples, bar));
         host_.push_back(make_candidate(base, tree.bvh, mesh, tracing_, on_host_));
         if (!settings_.traces_on_device) return;
@@ -51,8 +51,8 @@ public:
     }
 
 private:
-    const NineSettings& settings_;
-    NineScene& result_;
+    const AilaSettings& settings_;
+    AilaScene& result_;
     TraceSettings tracing_;
     TracerArguments on_host_;
     TracerArguments on_device_;
@@ -62,15 +62,15 @@ private:
 
 }  // namespace
 
-NineScene measure_nine(const NineSettings& settings, const RayArguments& rays, const std::string& scene,
-                       const ViewedScene& viewed, ProgressBar& bar) {
-    NineScene result;
+AilaScene measure_aila_scene(const AilaSettings& settings, const RayArguments& rays, const std::string& scene,
+                             const ViewedScene& viewed, ProgressBar& bar) {
+    AilaScene result;
     result.name = scene;
     result.triangles = viewed.mesh.triangles.size();
     result.builders = settings.builders;
     Trees trees(settings, result);
-    for (const NineBuilder& nine : settings.builders)
-        trees.add(nine, viewed.mesh, bar);
+    for (const AilaBuilder& builder : settings.builders)
+        trees.add(builder, viewed.mesh, bar);
     trees.trace(rays, viewed, bar);
     return result;
 }

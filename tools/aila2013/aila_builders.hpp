@@ -14,7 +14,7 @@ enum class LeafMerging : unsigned char {
 };
 
 /// One of the nine ways to a tree that Aila, Karras and Laine 2013 compare in table 1.
-struct NineBuilder {
+struct AilaBuilder {
     std::string_view id;          ///< The name that users type.
     std::string_view title;       ///< In the paper's table.
     std::string_view builder;     ///< An id of builders().
@@ -25,10 +25,10 @@ struct NineBuilder {
 /// All of them, in the paper's order. LBVH keeps its leaves of one triangle (section 3). Kensler's rotations work on
 /// trees that have leaves of several (2008, section 5), so that LBVH's are merged for them first: annealing would
 /// scatter what belongs into one leaf wherever that costs no area.
-[[nodiscard]] std::span<const NineBuilder> nine_builders() noexcept;
+[[nodiscard]] std::span<const AilaBuilder> aila_builders() noexcept;
 
 /// Those of `list`, ids with commas between them or "all", each once, in the paper's order. Throws
 /// Error(invalid_input) that lists the known ids.
-[[nodiscard]] std::vector<NineBuilder> choose_nine(std::string_view list);
+[[nodiscard]] std::vector<AilaBuilder> choose_aila_builders(std::string_view list);
 
 }  // namespace clbvh::tool

@@ -8,20 +8,20 @@
 #include <optional>
 #include <string>
 
-#include "aila2013/nine_builders.hpp"
+#include "aila2013/aila_builders.hpp"
 #include "cli/progress_bar.hpp"
 
 namespace clbvh::tool {
 
 /// How the trees of `clbvh table` are made.
-struct NineTreeSettings {
+struct AilaTreeSettings {
     BuildOptions options;            ///< `max_leaf_size` holds for builders that merge leaves.
     AnnealConfig annealing;          ///< Its budget is not read.
     std::optional<Context> context;  ///< Needed where a device builds.
 };
 
 /// A tree, and what it took.
-struct NineTree {
+struct AilaTree {
     Bvh bvh;
     double build_ms = 0.0;  ///< Wall time of building, optimising and merging leaves. A builder without an optimiser
                             ///< builds twice, and the second time counts.
@@ -29,7 +29,7 @@ struct NineTree {
 
 /// The tree of one of the nine. `label` is what the bar shows. Throws what Builder throws, and Error(cancelled) after a
 /// Ctrl-C.
-[[nodiscard]] NineTree build_nine_tree(const NineBuilder& nine, const NineTreeSettings& settings, const Mesh& mesh,
+[[nodiscard]] AilaTree build_aila_tree(const AilaBuilder& way, const AilaTreeSettings& settings, const Mesh& mesh,
                                        const std::string& label, ProgressBar& bar);
 
 }  // namespace clbvh::tool

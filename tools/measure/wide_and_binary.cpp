@@ -1,13 +1,13 @@
-#include "measure/both_ways.hpp"
+#include "measure/wide_and_binary.hpp"
 
 namespace clbvh::tool {
 
-void BothWays::add(const std::string& name, RayEngine& engine) {
+void WideAndBinary::add(const std::string& name, RayEngine& engine) {
     entrants_.push_back({name, &engine});
     entrants_.push_back({name + ", binary", &counting_.emplace_back(engine, counts_)});
 }
 
-void BothWays::measure(RayEngine& reference, const RaySet& set, std::size_t runs, RoundsProgress& progress) {
+void WideAndBinary::measure(RayEngine& reference, const RaySet& set, std::size_t runs, RoundsProgress& progress) {
     costs_ = measure_rays(entrants_, reference, set, runs, progress);
 }
 

@@ -1,4 +1,4 @@
-#include "clbvh/metrics/tree_shape.hpp"
+#include "clbvh/metrics/tree_statistics.hpp"
 
 #include <catch2/catch.hpp>
 #include <numeric>
@@ -30,27 +30,27 @@ Bvh hand_made_tree() {
 }  // namespace
 
 TEST_CASE("the shape of a tree made by hand") {
-    const TreeShape shape = tree_shape(hand_made_tree());
-    CHECK(shape.nodes == 5);
-    CHECK(shape.leaves == 3);
-    CHECK(shape.references == 5);
-    CHECK(shape.leaves_by_depth == Counts{0, 1, 2});
-    CHECK(shape.leaves_by_size == Counts{0, 2, 0, 1});
-    CHECK(shape.depth() == 2);
-    CHECK(shape.mean_leaf_depth() == Approx(5.0 / 3));
-    CHECK(shape.sibling_overlap == Approx((3.0 + 1.0) / 9.0).epsilon(1e-14));
+    const TreeStatistics statistics = tree_statistics(hand_made_tree());
+    CHECK(statistics.nodes == 5);
+    CHECK(statistics.leaves == 3);
+    CHECK(statistics.references == 5);
+    CHECK(statistics.leaves_by_depth == Counts{0, 1, 2});
+    CHECK(statistics.leaves_by_size == Counts{0, 2, 0, 1});
+    CHECK(statistics.depth() == 2);
+    CHECK(statistics.mean_leaf_depth() == Approx(5.0 / 3));
+    CHECK(statistics.sibling_overlap == Approx((3.0 + 1.0) / 9.0).epsilon(1e-14));
 
     Bvh apart = hand_made_tree();
     apart.nodes[3].lower[0] = 3.5f;
     apart.nodes[5].lower[0] = 2.0f;
-    CHECK(tree_shape(apart).sibling_overlap == 0.0);
+    CHECK(tree_statistics(apart).sibling_overlap == 0.0);
     for (Node& node : apart.nodes)
         node = {{}, node.first, {}, node.count};
-    CHECK(tree_shape(apart).sibling_overlap == 0.0);
+    CHECK(tree_statistics(apart).sibling_overlap == 0.0);
 }
 
 TEST_CASE("the empty tree and the single leaf have a shape too") {
-    const TreeShape none = tree_shape({});
+    const TreeStatistics none = tree_statistics({});
     CHECK(none.nodes == 0);
     CHECK(none.depth() == 0);
     CHECK(none.mean_leaf_depth() == 0.0);
@@ -58,7 +58,7 @@ TEST_CASE("the empty tree and the single leaf have a shape too") {
     Bvh single;
     single.nodes = {{{0, 0, 0}, 0, {1, 1, 1}, 2}, {}};
     single.primitive_ids = {0, 1};
-    const TreeShape one = tree_shape(single);
+    const TreeStatistics one = tree_statistics(single);
     CHECK(one.nodes == 1);
     CHECK(one.depth() == 0);
     CHECK(one.leaves_by_depth == Counts{1});
@@ -70,20 +70,20 @@ TEST_CASE("a tree's shape agrees with validation, and histograms with their tota
     const Mesh mesh = generate_scene("clustered", 5000);
     for (const char* id : {"median", "sbvh", "locally-ordered", "aac-hq"}) {
         const Bvh bvh = Builder(id).build(mesh);
-        const TreeShape shape = tree_shape(bvh);
+        const TreeStatistics statistics = tree_statistics(bvh);
         const ValidationReport report = validate(bvh, mesh);
-        CHECK(shape.nodes == report.nodes);
-        CHECK(shape.leaves == report.leaves);
-        CHECK(shape.depth() == report.depth);
+        CHECK(statistics.nodes == report.nodes);
+        CHECK(statistics.leaves == report.leaves);
+        CHECK(statistics.depth() == report.depth);
         const auto total = [](const Counts& counts) { return std::accumulate(counts.begin(), counts.end(), 0ULL); };
-        CHECK(total(shape.leaves_by_depth) == shape.leaves);
-        CHECK(total(shape.leaves_by_size) == shape.leaves);
+        CHECK(total(statistics.leaves_by_depth) == statistics.leaves);
+        CHECK(total(statistics.leaves_by_size) == statistics.leaves);
         std::uint64_t references = 0;
-        for (std::size_t size = 0; size < shape.leaves_by_size.size(); ++size)
-            references += size * shape.leaves_by_size[size];
-        CHECK(references == shape.references);
+        for (std::size_t size = 0; size < statistics.leaves_by_size.size(); ++size)
+            references += size * statistics.leaves_by_size[size];
+        CHECK(references == statistics.references);
         CHECK(references == bvh.primitive_ids.size());
-        CHECK(shape.sibling_overlap > 0.0);
+        CHECK(statistics.sibling_overlap > 0.0);
     }
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("describing a tree ends though the nodes are none") {
     const auto refused = [](const std::string& part, const auto& spoil) {
         Bvh bvh = hand_made_tree();
         spoil(bvh);
-        expect_error(ErrorCode::invalid_input, {part}, [&] { (void)tree_shape(bvh); });
+        expect_error(ErrorCode::invalid_input, {part}, [&] { (void)tree_statistics(bvh); });
     };
     refused("node 4: its children 0 and 1 have another parent", [](Bvh& bvh) { bvh.nodes[4] = {{}, 0, {}, 0}; });
     refused("node 0: its children 6 and 7 are out of range", [](Bvh& bvh) { bvh.nodes[0].first = 6; });

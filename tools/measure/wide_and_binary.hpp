@@ -15,7 +15,7 @@ class RoundsProgress;
 
 /// Cost of rays with trees, both ways: as engines go where nothing is counted, eight children at a time, and through
 /// the trees' own nodes (CountingEngine). All take their turns in the same rounds.
-class BothWays {
+class WideAndBinary {
 public:
     /// `engine` outlives this object.
     void add(const std::string& name, RayEngine& engine);

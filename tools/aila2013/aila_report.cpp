@@ -1,4 +1,4 @@
-#include "aila2013/nine_report.hpp"
+#include "aila2013/aila_report.hpp"
 
 #include <fmt/format.h>
 
@@ -45,7 +45,7 @@ constexpr std::array kMeasures{
     Measure{"cost_per_ray", "cost/ray", false, visits},
 };
 
-const std::vector<MetricsResult>& results_of(const NineScene& scene, const Measure& measure) {
+const std::vector<MetricsResult>& results_of(const AilaScene& scene, const Measure& measure) {
     return measure.on_device ? scene.device : scene.host;
 }
 
@@ -61,7 +61,7 @@ std::vector<std::string> fit_cells(const std::array<CostFit, 3>& fits) {
 /// Rows whose columns are the builders, with room for correlations where there are any.
 class Layout {
 public:
-    Layout(const NineScene& scene, bool has_fits) : has_fits_(has_fits), table_(header(scene, has_fits)) {}
+    Layout(const AilaScene& scene, bool has_fits) : has_fits_(has_fits), table_(header(scene, has_fits)) {}
 
     void add(const char* title, std::span<const MetricsResult> results,
              const std::function<std::string(const MetricsResult&)>& cell, std::vector<std::string> fits = {}) {
@@ -80,10 +80,10 @@ public:
     [[nodiscard]] std::string text() const { return table_.text(); }
 
 private:
-    static std::vector<std::string> header(const NineScene& scene, bool has_fits) {
+    static std::vector<std::string> header(const AilaScene& scene, bool has_fits) {
         std::vector<std::string> cells{""};
-        for (const NineBuilder& nine : scene.builders)
-            cells.emplace_back(nine.title);
+        for (const AilaBuilder& builder : scene.builders)
+            cells.emplace_back(builder.title);
         if (has_fits) cells.insert(cells.end(), {"with SAH", "SAH+EPO", "SAH+EPO+LCV"});
         return cells;
     }
@@ -92,7 +92,7 @@ private:
     Table table_;
 };
 
-void add_measures(Layout& layout, const NineScene& scene, std::span<const Prediction> predictions) {
+void add_measures(Layout& layout, const AilaScene& scene, std::span<const Prediction> predictions) {
     for (const Measure& measure : kMeasures) {
         const std::vector<MetricsResult>& results = results_of(scene, measure);
         if (results.empty()) continue;
@@ -105,7 +105,7 @@ void add_measures(Layout& layout, const NineScene& scene, std::span<const Predic
     }
 }
 
-std::string title_of(const NineScene& scene) {
+std::string title_of(const AilaScene& scene) {
     std::string title = trace_title(scene.host.front().trace);
     if (!scene.device.empty()) title += fmt::format(", and on {}", scene.device.front().trace.traced_on);
     return title;
@@ -113,7 +113,7 @@ std::string title_of(const NineScene& scene) {
 
 }  // namespace
 
-std::vector<Prediction> predict(const NineScene& scene) {
+std::vector<Prediction> predict(const AilaScene& scene) {
     std::vector<Prediction> predictions;
     if (scene.host.size() < kFewestPredicted) return predictions;
     for (const Measure& measure : kMeasures) {
@@ -125,7 +125,7 @@ std::vector<Prediction> predict(const NineScene& scene) {
     return predictions;
 }
 
-std::string nine_report(const NineScene& scene, std::span<const Prediction> predictions) {
+std::string aila_report(const AilaScene& scene, std::span<const Prediction> predictions) {
     using Result = const MetricsResult&;
     Layout layout(scene, !predictions.empty());
     add_measures(layout, scene, predictions);
@@ -139,14 +139,14 @@ std::string nine_report(const NineScene& scene, std::span<const Prediction> pred
     return fmt::format("{}\n{}", title_of(scene), layout.text());
 }
 
-ordered_json to_json(const NineScene& scene) {
+ordered_json to_json(const AilaScene& scene) {
     ordered_json list = ordered_json::array();
     for (std::size_t i = 0; i < scene.builders.size(); ++i) {
-        const NineBuilder& nine = scene.builders[i];
+        const AilaBuilder& builder = scene.builders[i];
         ordered_json& json = list.emplace_back(to_json(scene.host[i]));
-        json["title"] = nine.title;
-        json["made_by"] = nine.builder;
-        json["optimizers"] = nine.optimizers;
+        json["title"] = builder.title;
+        json["made_by"] = builder.builder;
+        json["optimizers"] = builder.optimizers;
         json["build_ms"] = scene.build_ms[i];
         json["cost_per_ray"] = visits(scene.host[i]);
         if (scene.device.empty()) continue;

@@ -1,4 +1,4 @@
-#include "aila2013/nine_tree.hpp"
+#include "aila2013/aila_tree.hpp"
 
 #include <tbb/task_arena.h>
 
@@ -16,40 +16,40 @@ namespace clbvh::tool {
 namespace {
 
 /// Of what Builder does: all of it, but optimising a tree whose leaves are merged already.
-BuildOptions options_of(const NineBuilder& nine, const NineTreeSettings& settings, const ProgressCallback& progress) {
+BuildOptions options_of(const AilaBuilder& way, const AilaTreeSettings& settings, const ProgressCallback& progress) {
     BuildOptions options = settings.options;
     options.progress = progress;
-    if (nine.leaves != LeafMerging::twice) options.optimizers = nine.optimizers;
-    if (nine.leaves == LeafMerging::never) options.max_leaf_size = 0;
+    if (way.leaves != LeafMerging::twice) options.optimizers = way.optimizers;
+    if (way.leaves == LeafMerging::never) options.max_leaf_size = 0;
     return options;
 }
 
-NineTree build_tree(const NineBuilder& nine, const NineTreeSettings& settings, const Mesh& mesh,
+AilaTree build_tree(const AilaBuilder& way, const AilaTreeSettings& settings, const Mesh& mesh,
                     const ProgressCallback& progress) {
-    Builder builder = open_builder(nine.builder, settings.context, options_of(nine, settings, progress));
+    Builder builder = open_builder(way.builder, settings.context, options_of(way, settings, progress));
     builder.upload(mesh);
-    if (nine.optimizers.empty()) builder.run();
-    NineTree tree;
+    if (way.optimizers.empty()) builder.run();
+    AilaTree tree;
     tree.build_ms = builder.run().build_ms;
     tree.bvh = builder.download();
     return tree;
 }
 
-Bvh improve(Bvh bvh, const NineBuilder& nine, const NineTreeSettings& settings, const ProgressCallback& progress) {
+Bvh improve(Bvh bvh, const AilaBuilder& way, const AilaTreeSettings& settings, const ProgressCallback& progress) {
     OptimizeBudget budget;
     budget.progress = progress;
-    if (nine.optimizers != "anneal") return optimize(std::move(bvh), nine.optimizers, budget);
+    if (way.optimizers != "anneal") return optimize(std::move(bvh), way.optimizers, budget);
     AnnealConfig config = settings.annealing;
     config.budget = budget;
     return anneal(std::move(bvh), config);
 }
 
 /// What Builder cannot do: optimises the tree with the leaves that it has, and merges leaves once more.
-void improve_and_merge(NineTree& tree, const NineBuilder& nine, const NineTreeSettings& settings,
+void improve_and_merge(AilaTree& tree, const AilaBuilder& way, const AilaTreeSettings& settings,
                        const ProgressCallback& progress) {
     const BuildOptions& options = settings.options;
     const Stopwatch stopwatch;
-    tree.bvh = improve(std::move(tree.bvh), nine, settings, progress);
+    tree.bvh = improve(std::move(tree.bvh), way, settings, progress);
     throw_if_interrupted();
     if (options.max_leaf_size > 0)
         tree.bvh = collapse(tree.bvh, {options.max_leaf_size, options.inner_cost, options.primitive_cost});
@@ -58,7 +58,7 @@ void improve_and_merge(NineTree& tree, const NineBuilder& nine, const NineTreeSe
 
 }  // namespace
 
-NineTree build_nine_tree(const NineBuilder& nine, const NineTreeSettings& settings, const Mesh& mesh,
+AilaTree build_aila_tree(const AilaBuilder& way, const AilaTreeSettings& settings, const Mesh& mesh,
                          const std::string& label, ProgressBar& bar) {
     throw_if_interrupted();
     bar.show_now(0.0, label);
@@ -66,10 +66,10 @@ NineTree build_nine_tree(const NineBuilder& nine, const NineTreeSettings& settin
         bar.show(work.fraction, label);
         return !interrupted();
     };
-    NineTree tree = build_tree(nine, settings, mesh, progress);
-    if (nine.leaves == LeafMerging::twice) {
+    AilaTree tree = build_tree(way, settings, mesh, progress);
+    if (way.leaves == LeafMerging::twice) {
         tbb::task_arena arena(static_cast<int>(host_threads(settings.options)));
-        arena.execute([&] { improve_and_merge(tree, nine, settings, progress); });
+        arena.execute([&] { improve_and_merge(tree, way, settings, progress); });
     }
     return tree;
 }

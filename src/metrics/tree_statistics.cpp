@@ -1,4 +1,4 @@
-#include "clbvh/metrics/tree_shape.hpp"
+#include "clbvh/metrics/tree_statistics.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -24,25 +24,25 @@ void count(std::vector<std::uint64_t>& histogram, std::size_t value) {
 
 }  // namespace
 
-double TreeShape::mean_leaf_depth() const noexcept {
+double TreeStatistics::mean_leaf_depth() const noexcept {
     double sum = 0.0;
     for (std::size_t depth = 0; depth < leaves_by_depth.size(); ++depth)
         sum += static_cast<double>(depth) * static_cast<double>(leaves_by_depth[depth]);
     return leaves > 0 ? sum / static_cast<double>(leaves) : 0.0;
 }
 
-TreeShape tree_shape(const Bvh& bvh) {
-    TreeShape shape;
+TreeStatistics tree_statistics(const Bvh& bvh) {
+    TreeStatistics statistics;
     double overlap = 0.0;
     TreeWalk walk(bvh);
     while (walk.next()) {
-        ++shape.nodes;
+        ++statistics.nodes;
         const Node& node = bvh.nodes[walk.node()];
         if (node.is_leaf()) {
-            ++shape.leaves;
-            shape.references += node.count;
-            count(shape.leaves_by_depth, walk.depth());
-            count(shape.leaves_by_size, node.count);
+            ++statistics.leaves;
+            statistics.references += node.count;
+            count(statistics.leaves_by_depth, walk.depth());
+            count(statistics.leaves_by_size, node.count);
         } else {
             overlap += shared_area(bvh.nodes[node.first], bvh.nodes[node.first + 1]);
         }
@@ -50,8 +50,8 @@ TreeShape tree_shape(const Bvh& bvh) {
     if (walk.failed())
         throw Error(ErrorCode::invalid_input, walk.fault() + "; this is no tree: see what validate() says of it");
     const double root_area = bvh.empty() ? 0.0 : exact_half_area(bvh.nodes[0]);
-    shape.sibling_overlap = root_area > 0.0 ? overlap / root_area : 0.0;
-    return shape;
+    statistics.sibling_overlap = root_area > 0.0 ? overlap / root_area : 0.0;
+    return statistics;
 }
 
 }  // namespace clbvh
