@@ -12,6 +12,11 @@ class Random {
 public:
     explicit Random(std::uint64_t seed) : state_(seed) {}
 
+    /// The `index`-th of the streams that belong to a seed. Neighbouring seeds share none.
+    [[nodiscard]] static Random stream(std::uint64_t seed, std::uint64_t index) {
+        return Random(Random(seed + Random(index).bits()).bits());
+    }
+
     std::uint64_t bits() {
         state_ += 0x9E3779B97F4A7C15U;
         std::uint64_t z = state_;

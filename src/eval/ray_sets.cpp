@@ -33,11 +33,6 @@ constexpr std::array<std::pair<RayKind, std::string_view>, 5> kNames{{{RayKind::
                                                                       {RayKind::ambient_occlusion, "ao"},
                                                                       {RayKind::random, "random"}}};
 
-/// Numbers for item `index` of a set, whichever thread makes it.
-Random random_of(std::uint64_t seed, std::uint64_t index) {
-    return Random(Random(seed + Random(index).bits()).bits());
-}
-
 Vec3 random_cosine_direction(const Vec3& normal, Random& random) {
     float x = 0.0f;
     float y = 0.0f;
@@ -65,7 +60,7 @@ std::vector<Ray> hemisphere_rays(std::span<const SurfacePoint> points, std::uint
     std::vector<Ray> rays(points.size() * rays_per_point);
     tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t p) {
         for (std::size_t i = p * rays_per_point; i < (p + 1) * rays_per_point; ++i) {
-            Random random = random_of(seed, i);
+            Random random = Random::stream(seed, i);
             rays[i] = {points[p].position, 0.0f, random_cosine_direction(points[p].normal, random), t_max};
         }
     });
@@ -180,7 +175,7 @@ std::vector<Ray> primary_rays(const Camera& camera, std::uint32_t width, std::ui
     tbb::parallel_for(std::uint32_t{0}, height, [&](std::uint32_t y) {
         for (std::uint32_t x = 0; x < width; ++x) {
             const std::size_t i = std::size_t{y} * width + x;
-            Random random = random_of(seed, i);
+            Random random = Random::stream(seed, i);
             const float across = static_cast<float>(x) + random.unit();
             const float down = static_cast<float>(y) + random.unit();
             rays[i] = camera_rays.at(across / columns, down / lines);
@@ -237,7 +232,7 @@ std::vector<Ray> random_lines(const Aabb& bounds, std::uint64_t count, std::uint
     if (source.empty()) return {};
     std::vector<Ray> rays(count);
     tbb::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t i) {
-        Random random = random_of(seed, i);
+        Random random = Random::stream(seed, i);
         rays[i] = source.line(random);
     });
     return rays;

@@ -136,8 +136,7 @@ Estimate end_point_overlap_sampled(const Bvh& bvh, const Mesh& mesh, std::uint64
         if (!sampler.has_surface()) return {};
         std::vector<Moments> parts((samples + kChunk - 1) / kChunk);
         tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
-            Random seeds(seed + chunk);
-            parts[chunk] = sampler.sample(Random(seeds.bits()), std::min(kChunk, samples - chunk * kChunk));
+            parts[chunk] = sampler.sample(Random::stream(seed, chunk), std::min(kChunk, samples - chunk * kChunk));
         });
         Moments total;
         for (const Moments& part : parts) {

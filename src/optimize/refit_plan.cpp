@@ -3,6 +3,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <string>
+
+#include "clbvh/core/error.hpp"
 #include "core/bottom_up.hpp"
 
 namespace clbvh::optimizer {
@@ -36,6 +39,11 @@ void count_pairs(std::span<const Node> nodes, std::span<std::uint32_t> sizes) {
 }  // namespace
 
 RefitPlan::RefitPlan(std::span<const Node> nodes) {
+    if (nodes.size() > kMostSlots) {
+        throw Error(ErrorCode::unsupported, "a tree of " + std::to_string(nodes.size()) +
+                                                " slots for nodes cannot be refitted, the limit is " +
+                                                std::to_string(kMostSlots) + "; build anew, without gaps");
+    }
     Scratch scratch;
     const std::span<std::uint32_t> sizes = scratch.take<std::uint32_t>(nodes.size() / 2);
     count_pairs(nodes, sizes);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/core/mesh.hpp"
 #include "core/scratch.hpp"
 
 namespace clbvh::optimizer {
@@ -17,7 +18,11 @@ namespace clbvh::optimizer {
 /// that is an inner node, was pushed before that of its left one, and nothing since.
 class RefitPlan {
 public:
+    /// Pairs are numbered in 30 bits, of which the last number means a subtree. Trees without gaps fit.
+    static constexpr std::uint64_t kMostSlots = 2 * kMaxPrimitives;
+
     /// Finds the order in parallel; O(n) time. The tree is one that validate() accepts, and its root an inner node.
+    /// Throws Error(unsupported) beyond kMostSlots.
     explicit RefitPlan(std::span<const Node> nodes);
 
     /// One pair: its number (nodes 2p and 2p + 1), and which of the two are leaves.

@@ -115,7 +115,7 @@ private:
         if (now <= 0.0) {
             return rotate_bottom_up(tree_, scratch_, [](std::uint32_t) { return GreedyChoice{}; });
         }
-        const std::uint64_t pass_seed = Random(config_.seed + pass).bits();
+        const std::uint64_t pass_seed = Random::stream(config_.seed, pass).bits();
         return rotate_bottom_up(tree_, scratch_, [&](std::uint32_t slot) {
             return HotChoice(now, exact_half_area(tree_[slot]), Random(pass_seed + slot).bits());
         });

@@ -215,6 +215,21 @@ TEST_CASE("samples come as close to EPO as their error says") {
     CHECK(few.standard_error / many.standard_error == Approx(10.0).epsilon(0.2));
 }
 
+TEST_CASE("samples of neighbouring seeds have nothing to do with each other") {
+    const Mesh mesh = generate_scene("city", 3000);
+    const Bvh bvh = Builder("median").build(mesh);
+    double squares = 0.0;
+    Estimate before = end_point_overlap_sampled(bvh, mesh, 50000, 0);
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        const Estimate estimate = end_point_overlap_sampled(bvh, mesh, 50000, seed);
+        const double errors = (estimate.value - before.value) / estimate.standard_error;
+        squares += errors * errors;
+        before = estimate;
+    }
+    // 20 is to be expected. Where neighbours share all samples but a few, it is next to nothing.
+    CHECK(squares > 4.0);
+}
+
 TEST_CASE("very many triangles with the same box are no trouble") {
     const std::size_t count = 200000;
     const Mesh mesh = coincident_triangles(count);

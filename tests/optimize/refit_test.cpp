@@ -8,9 +8,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <string>
 
 #include "clbvh/core/validate.hpp"
 #include "clbvh/io/scene.hpp"
+#include "optimize/refit_plan.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
 #include "support/fitted_by_definition.hpp"
@@ -115,6 +118,14 @@ TEST_CASE("refit: another mesh is refused, and the tree stays as it was") {
     Mesh infinite = mesh;
     infinite.vertices[infinite.triangles[7][1]].y = std::numeric_limits<float>::infinity();
     expect_refused(whole, infinite, {"triangle 7"});
+}
+
+TEST_CASE("refit: more slots than a plan can number are refused before they are read") {
+    const Node node{};
+    const std::size_t most = optimizer::RefitPlan::kMostSlots;
+    CHECK(most == 2 * kMaxPrimitives);
+    expect_error(ErrorCode::unsupported, {std::to_string(most + 2), std::to_string(most)},
+                 [&] { const optimizer::RefitPlan plan(std::span<const Node>(&node, most + 2)); });
 }
 
 TEST_CASE("refitter: again and again what refit gives, on any number of threads") {

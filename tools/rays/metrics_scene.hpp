@@ -18,8 +18,8 @@ struct MetricsSettings {
     std::uint64_t epo_samples = 0;  ///< 0: exact.
 };
 
-/// What the tree of `base` tells by itself: its shape and its end-point overlap. `epo_samples` as in MetricsSettings.
-/// Throws Error(cancelled) after a Ctrl-C.
+/// What the tree of `base` tells by itself: its statistics and its end-point overlap. `epo_samples` as in
+/// MetricsSettings. Throws Error(cancelled) after a Ctrl-C.
 [[nodiscard]] MetricsResult describe_metrics(const TraceResult& base, const Bvh& bvh, const Mesh& mesh,
                                              std::uint64_t epo_samples, ProgressBar& bar);
 

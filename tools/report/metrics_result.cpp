@@ -61,7 +61,7 @@ std::string metrics_report(std::span<const MetricsResult> results) {
         {"depth", [](Result r) { return std::to_string(r.statistics.depth()); }},
         {"mean depth", [](Result r) { return fixed_text(r.statistics.mean_leaf_depth(), 1); }},
         {"leaves", [](Result r) { return std::to_string(r.statistics.leaves); }},
-        {"prims/leaf", [](Result r) { return fixed_text(primitives_per_leaf(r.shape), 2); }},
+        {"prims/leaf", [](Result r) { return fixed_text(primitives_per_leaf(r.statistics), 2); }},
         {"steps/ray", [](Result r) { return fixed_text(r.trace.cost.steps_per_ray(), 2); }},
         {"tris/ray", [](Result r) { return fixed_text(r.trace.cost.triangles_per_ray, 2); }},
         {"ns/ray", [](Result r) { return fixed_text(r.trace.cost.ns_per_ray(), 1); }},

@@ -23,9 +23,9 @@ struct RefitStats {
 /// `mesh` has the triangles that the tree was built over, at new places. Where references were split, leaves get the
 /// boxes of whole triangles. Throws Error(invalid_input) where the mesh has another number of triangles, where
 /// check_mesh refuses it, where a cost is negative or not finite, or where another triangle than before is inactive,
-/// naming it; and Error(out_of_memory). After invalid_input the tree is as it was (save for a Refitter given another
-/// tree, see there). Where memory runs out, some boxes are old and some new: the next refit that succeeds puts all of
-/// them right.
+/// naming it; Error(unsupported) where `nodes` has more than 2^31 - 2 slots; and Error(out_of_memory). After
+/// invalid_input the tree is as it was (save for a Refitter given another tree, see there). Where memory runs out, some
+/// boxes are old and some new: the next refit that succeeds puts all of them right.
 RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs = {});
 
 /// Refits trees of one structure again and again, every frame say: the order in which their nodes are visited is found
@@ -33,7 +33,7 @@ RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs = {});
 class Refitter {
 public:
     /// Takes every tree that validate() accepts. O(n) time, in the calling task arena of oneTBB, about that of a call
-    /// of refit(). Throws Error(out_of_memory).
+    /// of refit(). Throws Error(unsupported) as refit() does, and Error(out_of_memory).
     explicit Refitter(const Bvh& tree);
     Refitter(const Refitter&) = delete;
     Refitter(Refitter&&) noexcept;
