@@ -21,9 +21,6 @@ public:
     void write(const nlohmann::ordered_json& document) const;
 
 private:
-    /// Pipes and devices such as /dev/stderr, which a rename would replace.
-    [[nodiscard]] bool target_is_special() const;
-
     std::string target_;
 };
 

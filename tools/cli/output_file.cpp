@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <clbvh/core/error.hpp>
 #include <cstdio>
+#include <fstream>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -29,6 +31,16 @@ fs::path temporary_name(const fs::path& path) {
     fs::path temporary = path;
     temporary += fmt::format(".tmp-{}", getpid());
     return temporary;
+}
+
+void write_to_stream(std::ostream& stream, std::string_view text, const std::string& name) {
+    if (!(stream << text << std::flush)) fail(name, errno);
+}
+
+bool is_special(const std::string& target) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(target, ignored);
+    return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
 File open_for_writing(const fs::path& temporary, const fs::path& path) {
@@ -61,6 +73,21 @@ void write_file(const fs::path& path, std::string_view text) {
         std::error_code ignored;
         fs::remove(temporary, ignored);
         fail(path, reason);
+    }
+}
+
+void require_writable_target(const std::string& target) {
+    if (target != "-" && !is_special(target)) require_writable(target);
+}
+
+void write_target(const std::string& target, std::string_view text) {
+    if (target == "-") {
+        write_to_stream(std::cout, text, "standard output");
+    } else if (is_special(target)) {
+        std::ofstream stream(target);
+        write_to_stream(stream, text, target);
+    } else {
+        write_file(target, text);
     }
 }
 

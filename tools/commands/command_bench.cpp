@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <clbvh/core/error.hpp>
 #include <cstdint>
-#include <exception>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,19 +13,12 @@
 #include <vector>
 
 #include "bench/bench_scene.hpp"
-#include "cli/build_arguments.hpp"
-#include "cli/builder_choice.hpp"
-#include "cli/json_output.hpp"
-#include "cli/progress_bar.hpp"
-#include "cli/scene_arguments.hpp"
-#include "cli/scene_check.hpp"
 #include "commands/command.hpp"
+#include "commands/scene_command.hpp"
 #include "embree/embree_peer.hpp"
 #include "measure/build_result.hpp"
-#include "rays/view_arguments.hpp"
 #include "report/bench_report.hpp"
 #include "report/result_json.hpp"
-#include "report/scene_report.hpp"
 #include "report/stage_report.hpp"
 #include "sweep/sweep.hpp"
 #include "sweep/sweep_report.hpp"
@@ -35,10 +27,7 @@
 namespace clbvh::tool {
 namespace {
 
-struct BenchArguments {
-    std::vector<std::string> scenes;
-    SceneArguments loading;
-    std::string builders = "all";
+struct BenchArguments : SceneCommandArguments {
     bool peers = false;
     std::uint32_t runs = 5;
     bool unvalidated = false;
@@ -46,63 +35,54 @@ struct BenchArguments {
     bool rays = false;
     std::string sweep;           // empty where none was asked for
     std::uint32_t sweep_to = 0;  // 0 where it was not given
-    BuildArguments build;
-    JsonOutput json;
 };
 
-/// A benchmark under way: tables are printed as scenes end, and the document holds what has been done so far.
-class Bench {
+/// Null where no sweep was asked for.
+const Sweep* sweep_of(const BenchArguments& arguments) {
+    return arguments.sweep.empty() ? nullptr : &find_sweep(arguments.sweep);
+}
+
+BuilderChoice choose_for_bench(const BenchArguments& arguments) {
+    BuilderChoice choice = choose_builders(arguments.builders, arguments.build.device, kBuildersWayOut);
+    if (const Sweep* const sweep = sweep_of(arguments)) keep_readers(*sweep, arguments.build.options, choice);
+    return choice;
+}
+
+class Bench final : public SceneCommand {
 public:
     explicit Bench(const BenchArguments& arguments)
-        : arguments_(arguments),
-          choice_(choose_builders(arguments.builders, arguments.build.device, kBuildersWayOut)),
-          sweep_(arguments.sweep.empty() ? nullptr : &find_sweep(arguments.sweep)) {
-        if (sweep_ != nullptr) keep_readers(*sweep_, arguments.build.options, choice_);
-        settings_ = {choice_.ids,
-                     arguments.peers,
-                     arguments.runs,
-                     !arguments.unvalidated,
-                     arguments.build.options,
-                     choice_.context,
-                     arguments.loading,
-                     {}};
-    }
-
-    void run() {
-        report_.print(unavailable_report(choice_));
-        if (sweep_ != nullptr) {
-            run_sweeps();
-        } else {
-            run_scenes();
-        }
-    }
-
-    [[nodiscard]] std::span<const BuildResult> results() const { return results_; }
-
-    /// With "unavailable" in it where some builders are.
-    [[nodiscard]] nlohmann::ordered_json document() const {
-        nlohmann::ordered_json document =
-            to_json(choice_.context, arguments_.loading, arguments_.build.options, results_);
-        report_.add_unavailable(document);
-        return document;
-    }
+        : SceneCommand(arguments, choose_for_bench(arguments)),
+          arguments_(arguments),
+          sweep_(sweep_of(arguments)),
+          settings_{choice().ids,
+                    arguments.peers,
+                    arguments.runs,
+                    !arguments.unvalidated,
+                    arguments.build.options,
+                    choice().context,
+                    arguments.loading,
+                    {}} {}
 
 private:
-    void run_scenes() {
-        ProgressBar bar;
-        for (const std::string& scene : arguments_.scenes) {
-            bar.show(0.0, "loading " + scene);
-            const Mesh mesh = load(scene);
-            std::vector<BuildResult> of_scene = bench_scene(settings_, scene, mesh, bar);
-            bar.erase();
-            report_.print_tables(scene_report(choice_.context, of_scene) + peers_note(of_scene) + '\n');
-            if (arguments_.stages) report_.print(stage_report(of_scene) + '\n');
-            std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
-        }
-        const std::size_t count = arguments_.scenes.size();
-        if (count < 2) return;
-        report_.print(
-            fmt::format("geometric means over {} scenes\n{}", count, means_report(results_, results_.size() / count)));
+    std::string run_scene(const std::string& scene, ProgressBar& bar) override {
+        std::vector<BuildResult> of_scene = sweep_ != nullptr ? run_sweep(scene, bar) : run_builders(scene, bar);
+        std::string tables = sweep_ != nullptr ? sweep_report(scene, of_scene)
+                                               : scene_report(choice().context, of_scene) + peers_note(of_scene);
+        if (arguments_.stages) tables += '\n' + stage_report(of_scene);
+        std::ranges::move(of_scene, std::back_inserter(results_));
+        return tables;
+    }
+
+    std::vector<BuildResult> run_builders(const std::string& scene, ProgressBar& bar) {
+        bar.show(0.0, "loading " + scene);
+        const Mesh mesh = load(scene);
+        return bench_scene(settings_, scene, mesh, bar);
+    }
+
+    std::vector<BuildResult> run_sweep(const std::string& scene, ProgressBar& bar) const {
+        return sweep_scene(settings_, *sweep_,
+                           sweep_->values.empty() ? sweep_sizes(scene, arguments_.sweep_to) : sweep_->values, scene,
+                           bar);
     }
 
     /// The scene and, where rays are traced, from where they come.
@@ -114,18 +94,6 @@ private:
         return std::move(viewed.mesh);
     }
 
-    void run_sweeps() {
-        ProgressBar bar;
-        for (const std::string& scene : arguments_.scenes) {
-            const std::vector<std::uint32_t> values =
-                sweep_->values.empty() ? sweep_sizes(scene, arguments_.sweep_to) : sweep_->values;
-            std::vector<BuildResult> of_scene = sweep_scene(settings_, *sweep_, values, scene, bar);
-            bar.erase();
-            report_.print_tables(sweep_report(scene, of_scene) + '\n');
-            std::move(of_scene.begin(), of_scene.end(), std::back_inserter(results_));
-        }
-    }
-
     /// A preset has optimizers, and an optimizer a quota of splits, without an option that says so.
     [[nodiscard]] std::string peers_note(std::span<const BuildResult> of_scene) const {
         const bool is_unequal =
@@ -135,9 +103,18 @@ private:
         return arguments_.peers && is_unequal ? "Embree's builders ran without presplitting and optimizers\n" : "";
     }
 
+    [[nodiscard]] std::string closing() const override {
+        const std::size_t count = arguments_.scenes.size();
+        if (sweep_ != nullptr || count < 2) return {};
+        return fmt::format("geometric means over {} scenes\n{}", count,
+                           means_report(results_, results_.size() / count));
+    }
+
+    [[nodiscard]] nlohmann::ordered_json results() const override { return to_json(results_); }
+
+    [[nodiscard]] int report_faults() const override { return report_invalid_trees(results_); }
+
     const BenchArguments& arguments_;
-    BuilderChoice choice_;
-    SceneReport report_{choice_, arguments_.loading, arguments_.json};
     const Sweep* sweep_;  // null where none was asked for
     BenchSettings settings_;
     std::vector<BuildResult> results_;
@@ -147,14 +124,12 @@ private:
 void check_arguments(const BenchArguments& arguments) {
     const auto refuse = [](const char* what) { throw Error(ErrorCode::invalid_input, what); };
     const bool sweeps = !arguments.sweep.empty();
-    arguments.build.check();
     if (sweeps && arguments.peers) refuse("--peers: a sweep is of clbvh's own builders; leave --peers or --sweep out");
     if (sweeps && arguments.stages) refuse("--stages: a sweep's table has no stages (its JSON has); leave one out");
     if (sweeps && arguments.rays) refuse("--rays: a sweep traces no rays; leave --rays or --sweep out");
     if (arguments.sweep_to > 0 && arguments.sweep != "size") refuse("--sweep-to is for --sweep size");
     if (arguments.peers) check_embree_peers(arguments.build.options);
-    arguments.json.require_writable();
-    std::ranges::for_each(arguments.scenes, require_scene);
+    arguments.check();
     if (arguments.sweep != "size") return;
     for (const std::string& scene : arguments.scenes)
         static_cast<void>(sweep_sizes(scene, arguments.sweep_to));
@@ -162,16 +137,7 @@ void check_arguments(const BenchArguments& arguments) {
 
 int run_bench(const BenchArguments& arguments) {
     check_arguments(arguments);
-    Bench bench(arguments);
-    try {
-        run_and_write(
-            arguments.json, [&] { bench.run(); }, [&] { return !bench.results().empty(); },
-            [&] { return bench.document(); });
-    } catch (const std::exception&) {
-        static_cast<void>(report_invalid_trees(bench.results()));
-        throw;
-    }
-    return report_invalid_trees(bench.results());
+    return Bench(arguments).run();
 }
 
 /// CLI11's own check tells the range of a double.
@@ -185,12 +151,7 @@ std::string require_one_or_more(const std::string& value) {
 Command add_bench_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("bench", "Time builders side by side, and a native sort beside them");
     auto arguments = std::make_shared<BenchArguments>();
-    command->add_option("scene", arguments->scenes, kScenesHelp)->type_name("SCENE")->required();
-    command
-        ->add_option("--builders", arguments->builders,
-                     "Ids or groups (all, host, device, presets) with commas between them; see clbvh builders")
-        ->type_name("A,B,C")
-        ->capture_default_str();
+    arguments->add_scenes_and_builders(*command, kBuildersHelp);
     command->add_flag(
         "--peers", arguments->peers,
         "Add Embree's builders, as host builders; of the options here they take --max-leaf, --budget, "
@@ -215,9 +176,7 @@ Command add_bench_command(CLI::App& app) {
         ->type_name("N");
     command->add_flag("--rays", arguments->rays,
                       "Trace diffuse rays through the trees as well, on the host; see clbvh trace");
-    arguments->loading.add_options(*command);
-    arguments->build.add_options(*command);
-    arguments->json.add_option(*command);
+    arguments->add_loading_and_building(*command);
     return {command, [arguments] { return run_bench(*arguments); }};
 }
 

@@ -87,7 +87,7 @@ int build(const BuildCommandArguments& arguments) {
     if (arguments.json.leaves_standard_output())
         fmt::print("{}", build_report(context, arguments.loading, result, load_ms, output));
     const std::span<const BuildResult> results(&result, 1);
-    arguments.json.write(to_json(context, arguments.loading, arguments.build.options, results));
+    arguments.json.write(document_json(context, arguments.loading, arguments.build.options, to_json(results)));
     return report_invalid_trees(results);
 }
 
@@ -109,7 +109,7 @@ Command add_build_command(CLI::App& app) {
         ->capture_default_str();
     arguments->loading.add_options(*command);
     arguments->build.add_options(*command);
-    command->add_option("-o,--output", arguments->output, "Write the tree to this file")
+    command->add_option("-o,--output", arguments->output, "Write the tree to this file, which clbvh dump shows")
         ->type_name("FILE")
         ->check(require_file_name);
     command->add_flag("--validate", arguments->validate, "Prove the tree right; exit code 3 where it is not");

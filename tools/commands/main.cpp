@@ -42,7 +42,7 @@ int parse_and_run(int argc, char** argv) {
     const std::array commands{add_devices_command(app), add_builders_command(app), add_scenes_command(app),
                               add_build_command(app),   add_bench_command(app),    add_tune_command(app),
                               add_trace_command(app),   add_render_command(app),   add_metrics_command(app),
-                              add_table_command(app)};
+                              add_table_command(app),   add_dump_command(app)};
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& help_or_version) {

@@ -177,12 +177,11 @@ ordered_json document_json(const std::optional<Context>& context, const SceneArg
             {"results", std::move(results)}};
 }
 
-ordered_json to_json(const std::optional<Context>& context, const SceneArguments& loading, const BuildOptions& options,
-                     std::span<const BuildResult> results) {
+ordered_json to_json(std::span<const BuildResult> results) {
     ordered_json list = ordered_json::array();
     for (const BuildResult& result : results)
         list.push_back(result_json(result));
-    return document_json(context, loading, options, std::move(list));
+    return list;
 }
 
 }  // namespace clbvh::tool

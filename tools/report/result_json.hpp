@@ -20,9 +20,8 @@ namespace clbvh::tool {
 [[nodiscard]] nlohmann::ordered_json document_json(const std::optional<Context>& context, const SceneArguments& loading,
                                                    const BuildOptions& options, nlohmann::ordered_json results);
 
-/// The document of `build` and `bench`, with one entry per result, each with the options in use where a preset or an
-/// optimizer may have set others than those of the document.
-[[nodiscard]] nlohmann::ordered_json to_json(const std::optional<Context>& context, const SceneArguments& loading,
-                                             const BuildOptions& options, std::span<const BuildResult> results);
+/// An array with one entry a result, each with the options in use where a preset or an optimizer may have set others
+/// than those of the document.
+[[nodiscard]] nlohmann::ordered_json to_json(std::span<const BuildResult> results);
 
 }  // namespace clbvh::tool

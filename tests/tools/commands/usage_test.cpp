@@ -31,7 +31,7 @@ TEST_CASE("help names every command, and of each command every option") {
     CHECK(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     for (const char* command :
-         {"devices", "builders", "scenes", "build", "bench", "tune", "trace", "metrics", "table"}) {
+         {"devices", "builders", "scenes", "build", "bench", "tune", "trace", "metrics", "table", "dump"}) {
         CHECK_THAT(outcome.out, Contains(command));
         const Outcome help = run_tool({command, "--help"});
         CHECK(help.exit_code == 0);
