@@ -117,6 +117,13 @@ TEST_CASE("the same seed makes the same rays, whatever the tree and the threads"
     CHECK(hash({"--builder", "median", "--up", "x"}) != plain);
 }
 
+TEST_CASE("trace on more threads than there are runs on those there are, and says nothing else") {
+    const Outcome outcome = run_tool({"trace", "gen:soup:500", "--builders", "median", "--rays", "random", "--count",
+                                      "100", "--threads", "1024", "--runs", "1"});
+    CHECK(outcome.exit_code == 0);
+    CHECK(outcome.err.empty());
+}
+
 TEST_CASE("rays that were saved are traced again") {
     const ScratchFolder folder;
     const std::string file = folder.path("rays");
