@@ -27,7 +27,8 @@ namespace {
 constexpr std::uint32_t kPasses = 2;
 constexpr std::size_t kSubtreesBetweenLooks = 64;  // at the clock: some tens of milliseconds
 
-/// What there is below a node: slots of its sibling pairs, its leaves, and the summed half areas of its inner nodes.
+/// Contents of the subtree below a node: slots of its sibling pairs, its leaves, and the summed half areas of its inner
+/// nodes.
 struct Subtree {
     std::vector<std::uint32_t> pairs;
     std::vector<Node> leaves;
@@ -95,7 +96,7 @@ public:
     }
 
 private:
-    /// What a task finds out of its subtrees.
+    /// Results of a task over its subtrees.
     struct Sums {
         double gain = 0.0;
         std::uint64_t changes = 0;

@@ -8,7 +8,8 @@
 
 namespace clbvh::optimizer {
 
-// What is called in the innermost loops is declared inline, so that the compiler may do that in a shared library, too.
+// Functions called in the innermost loops are declared inline, so that the compiler may do that in a shared library,
+// too.
 
 /// Beside `node`, which has that area, the subtree would gain so much. The places below go onto the stack, of `size`
 /// entries, unless they cannot be better. Returns the stack's new size.

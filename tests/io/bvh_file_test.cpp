@@ -123,8 +123,8 @@ TEST_CASE("no single damaged byte gets past the reader") {
     const TempFolder folder;
     std::size_t accepted = 0;
     for (std::size_t i = 0; i < bytes.size(); ++i) {
-        // What nothing else in the file depends on: more primitives may be inactive than were, and references may be
-        // called split.
+        // Fields that nothing else in the file depends on: more primitives may be inactive than were, and references
+        // may be called split.
         const bool primitive_count = i >= 24 && i < 32;
         const bool split_flag = i == 32;
         for (const int flip : {0x01, 0x80}) {

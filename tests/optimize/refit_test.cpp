@@ -167,7 +167,7 @@ TEST_CASE("refitter: hard trees") {
     static_cast<void>(refitter.refit(chain, mesh_moved));
     CHECK(validate(chain, mesh_moved).error == "");
 
-    // What lies between the slots in use stays.
+    // Memory between the slots in use stays.
     const Mesh small = random_triangles(3000);
     const Bvh tight = make_builder("plocpp").build(small);
     Bvh sparse = with_strays(tight);

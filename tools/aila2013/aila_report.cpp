@@ -30,7 +30,7 @@ double binary(const MetricsResult& result) {
     return result.binary_ns_per_ray();
 }
 
-/// What a ray visits, at the costs of SAH and EPO.
+/// Nodes and triangles that a ray visits, at the costs of SAH and EPO.
 double visits(const MetricsResult& result) {
     constexpr SahCosts kCosts;
     const RayCost& cost = result.trace.cost;

@@ -46,7 +46,7 @@ public:
         };
         measure(host_, result_.host);
         if (!settings_.traces_on_device) return;
-        result_.device = result_.host;  // what the trees tell by themselves is the same
+        result_.device = result_.host;  // the trees' own properties are the same
         measure(device_, result_.device);
     }
 

@@ -44,7 +44,7 @@ Bvh improve(Bvh bvh, const AilaBuilder& way, const AilaTreeSettings& settings, c
     return anneal(std::move(bvh), config);
 }
 
-/// What Builder cannot do: optimises the tree with the leaves that it has, and merges leaves once more.
+/// Beyond what Builder does: optimises the tree with the leaves that it has, and merges leaves once more.
 void improve_and_merge(AilaTree& tree, const AilaBuilder& way, const AilaTreeSettings& settings,
                        const ProgressCallback& progress) {
     const BuildOptions& options = settings.options;

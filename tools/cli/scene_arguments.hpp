@@ -9,7 +9,7 @@
 
 namespace clbvh::tool {
 
-/// What positional arguments of commands that take scenes say of themselves.
+/// Help text of positional arguments that take scenes.
 inline constexpr const char* kSceneHelp = "Mesh file, or gen:NAME[:COUNT[:SEED]]; see clbvh scenes";
 inline constexpr const char* kScenesHelp = "Mesh files, or gen:NAME[:COUNT[:SEED]]; see clbvh scenes";
 
@@ -27,7 +27,7 @@ public:
     [[nodiscard]] std::optional<Rotation> rotation() const;
     /// load_scene, with the scene turned.
     [[nodiscard]] Mesh load(const std::string& scene) const;
-    /// What tables say of it: "scenes turned by 45 degrees about (1, 1, 1)"; empty where they are not.
+    /// A line for tables: "scenes turned by 45 degrees about (1, 1, 1)"; empty where they are not.
     [[nodiscard]] std::string note() const;
 };
 

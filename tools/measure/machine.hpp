@@ -16,7 +16,8 @@ struct Cache {
     std::uint64_t bytes = 0;
 };
 
-/// What measured times depend on beside the device. What the system does not tell is absent.
+/// Properties of the machine that measured times depend on, beside the device. Those that the system does not report
+/// are absent.
 struct Machine {
     std::optional<std::string> cpu;  ///< Model name.
     std::optional<std::uint32_t> logical_cores;

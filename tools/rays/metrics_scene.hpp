@@ -12,13 +12,13 @@
 
 namespace clbvh::tool {
 
-/// What `clbvh metrics` does with each scene.
+/// The work of `clbvh metrics` for each scene.
 struct MetricsSettings {
     TraceSettings tracing;
     std::uint64_t epo_samples = 0;  ///< 0: exact.
 };
 
-/// What the tree of `base` tells by itself: its statistics and its end-point overlap. `epo_samples` as in
+/// Properties of the tree of `base` alone: its statistics and its end-point overlap. `epo_samples` as in
 /// MetricsSettings. Throws Error(cancelled) after a Ctrl-C.
 [[nodiscard]] MetricsResult describe_metrics(const TraceResult& base, const Bvh& bvh, const Mesh& mesh,
                                              std::uint64_t epo_samples, ProgressBar& bar);

@@ -10,14 +10,14 @@
 
 namespace clbvh::tool {
 
-/// Below so many trees a correlation says nothing: two always lie on a line, and there are two weights.
+/// Below so many trees a correlation means nothing: two always lie on a line, and there are two weights.
 inline constexpr std::size_t kFewestPredicted = 4;
 
 /// How well SAH, SAH with EPO, and both with LCV predict one measurement over the trees of one scene.
 struct Prediction {
     std::string scene;
     std::string measurement;      ///< Its field in JSON: "ns_per_ray", "binary_ns_per_ray", ...
-    std::vector<TreeCost> trees;  ///< What was predicted.
+    std::vector<TreeCost> trees;  ///< The trees whose cost is predicted.
     std::array<CostFit, 3> fits;  ///< In the order of CostTerms.
 };
 

@@ -12,13 +12,13 @@
 
 namespace clbvh::tool {
 
-/// What is known of the tree of one builder, and what its rays cost.
+/// Metrics of one builder's tree, and the cost of its rays.
 struct MetricsResult {
     TraceResult trace;
     TreeStatistics statistics;
     double epo = 0.0;
     std::optional<double> epo_error;  ///< Standard error; absent where EPO is exact.
-    double epo_ms = 0.0;              ///< What it took to compute, by the wall clock.
+    double epo_ms = 0.0;              ///< Wall time to compute it.
     Sample binary_trace_ms;           ///< Of the same rays through the tree's own nodes, counting what they visit.
 
     [[nodiscard]] double binary_ns_per_ray() const;

@@ -10,7 +10,7 @@
 
 namespace clbvh::tool {
 
-/// What commands that run builders over scenes print and keep: text for people as scenes end, and one document.
+/// Output of commands that run builders over scenes: text for people as scenes end, and one document.
 class SceneReport {
 public:
     /// All of them outlive this object.

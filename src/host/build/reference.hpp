@@ -38,7 +38,7 @@ static_assert(sizeof(Reference) == 32);
     return reference;
 }
 
-/// What a set of references takes up.
+/// Extent of a set of references.
 struct Bounds {
     Box4 box;
     Box4 centroids;  ///< Bounds of the doubled centroids.

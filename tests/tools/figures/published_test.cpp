@@ -1,4 +1,4 @@
-// What bench/published.json says of the papers, beside the papers' own tables.
+// The numbers of bench/published.json beside the papers' own tables.
 #include <array>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
