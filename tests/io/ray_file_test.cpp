@@ -61,6 +61,7 @@ TEST_CASE("damaged ray files are refused") {
     expect_refused(with(1000, static_cast<char>(good[1000] + 1)), "hash");
     expect_refused(good + "x", "promises 100 rays");
     expect_refused(good.substr(0, good.size() - 32), "promises 100 rays");
-    expect_error(ErrorCode::io, {"/nonexistent/rays"}, [] { (void)read_rays("/nonexistent/rays"); });
-    expect_error(ErrorCode::io, {"/nonexistent/rays"}, [] { write_rays({}, "/nonexistent/rays"); });
+    const std::filesystem::path missing = folder.path("missing/rays");
+    expect_error(ErrorCode::io, {missing.string()}, [&] { (void)read_rays(missing); });
+    expect_error(ErrorCode::io, {missing.string()}, [&] { write_rays({}, missing); });
 }

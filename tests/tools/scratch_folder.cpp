@@ -30,6 +30,15 @@ std::size_t ScratchFolder::file_count() const {
     return static_cast<std::size_t>(std::distance(begin(files), end(files)));
 }
 
+std::string missing_path(const std::string& name) {
+    static const ScratchFolder empty;
+    return empty.path(name);
+}
+
+std::string no_drivers() {
+    return "OCL_ICD_VENDORS=" + missing_path("");
+}
+
 std::string read_text(const std::filesystem::path& path) {
     std::ostringstream text;
     text << std::ifstream(path, std::ios::binary).rdbuf();

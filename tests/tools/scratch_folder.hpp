@@ -22,6 +22,12 @@ private:
     std::filesystem::path folder_;
 };
 
+/// A path of this name where nothing is, in a folder of the tests' own that stays empty.
+[[nodiscard]] std::string missing_path(const std::string& name);
+
+/// The variable by which OpenCL's loader finds no driver.
+[[nodiscard]] std::string no_drivers();
+
 /// The whole content of a file.
 [[nodiscard]] std::string read_text(const std::filesystem::path& path);
 

@@ -37,7 +37,7 @@ Words lines_of(const std::string& text) {
 /// Which line is a scene's header, where every builder could run: the machine, a blank line and the scene stand above.
 constexpr std::size_t kHeader = 3;
 
-const Words kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
+const Words kNoDriver{no_drivers()};
 
 /// The document of `bench` with one run of each builder.
 ordered_json bench(Words arguments, const Words& environment = {}) {
@@ -249,7 +249,7 @@ TEST_CASE("bench names what is wrong with its input, and prints no table") {
     expect_failure({"gen:soup:10", "--builders", "ploc,"}, "plocpp-two-level");
     expect_failure({"gen:soup:10", "--radius", "33"}, "radius is 33");
     expect_failure({"gen:soup:10", "--device", "no such device"}, "no such device");
-    expect_failure({"/nonexistent/scene.obj"}, "/nonexistent/scene.obj");
+    expect_failure({missing_path("scene.obj")}, missing_path("scene.obj"));
     expect_failure({"gen:soup:10", "--json", folder.path("none/x.json")}, "none/x.json");
 }
 

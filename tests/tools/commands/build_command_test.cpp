@@ -24,7 +24,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-const Words kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
+const Words kNoDriver{no_drivers()};
 
 /// Runs `build` with JSON on standard output, and returns the one result.
 ordered_json result_of(Words arguments, const Words& environment = {}) {
@@ -230,7 +230,7 @@ TEST_CASE("build names what is wrong with its input") {
     expect_failure({"gen:soup:10", "--builder", "embree-sbvh"}, {"embree-sbvh", "--peers", "plocpp"});
     expect_failure({"gen:stew"}, {"stew", "soup"});
     expect_failure({"gen:soup:many"}, {"many"});
-    expect_failure({"/nonexistent/scene.obj"}, {"/nonexistent/scene.obj"});
+    expect_failure({missing_path("scene.obj")}, {missing_path("scene.obj")});
     expect_failure({"gen:soup:10", "--radius", "0"}, {"radius is 0", "1 to 32"});
     expect_failure({"gen:soup:10", "--radius", "33"}, {"radius is 33", "1 to 32"});
     for (const auto& [option, value] :
@@ -245,8 +245,8 @@ TEST_CASE("build names what is wrong with its input") {
 
 TEST_CASE("build finds an output that cannot be written before it loads the scene") {
     const ScratchFolder folder;
-    expect_failure({"/nonexistent/scene.obj", "-o", folder.path("none/tree.bvh")}, {"none/tree.bvh"});
-    expect_failure({"/nonexistent/scene.obj", "-o", folder.path("")}, {"not a regular file"});
+    expect_failure({missing_path("scene.obj"), "-o", folder.path("none/tree.bvh")}, {"none/tree.bvh"});
+    expect_failure({missing_path("scene.obj"), "-o", folder.path("")}, {"not a regular file"});
     expect_failure({"gen:soup:10", "-o", "/dev/null"}, {"/dev/null", "not a regular file"});
     CHECK(folder.file_count() == 0);
 }

@@ -65,7 +65,7 @@ TEST_CASE("builders lists the presets, and which of them can run") {
     const Outcome table = run_tool({"builders"});
     REQUIRE(list.size() == presets().size());
     const ordered_json without_device =
-        ordered_json::parse(run_tool({"builders", "--json", "-"}, {"OCL_ICD_VENDORS=/nonexistent/"}).out)["presets"];
+        ordered_json::parse(run_tool({"builders", "--json", "-"}, {no_drivers()}).out)["presets"];
     for (std::size_t i = 0; i < list.size(); ++i) {
         const PresetInfo& preset = presets()[i];
         CHECK(list[i]["id"] == preset.id);
@@ -80,7 +80,7 @@ TEST_CASE("builders lists the presets, and which of them can run") {
 }
 
 TEST_CASE("without a device, builders says which of them cannot run, and why") {
-    const std::vector<std::string> no_driver{"OCL_ICD_VENDORS=/nonexistent/"};
+    const std::vector<std::string> no_driver{no_drivers()};
     const Outcome outcome = run_tool({"builders", "--json", "-"}, no_driver);
     REQUIRE(outcome.exit_code == 0);
     const ordered_json list = ordered_json::parse(outcome.out)["builders"];
@@ -132,7 +132,7 @@ TEST_CASE("devices shows what there is though CLBVH_DEVICE names what there is n
 }
 
 TEST_CASE("a machine without OpenCL devices is told what to install") {
-    const Outcome outcome = run_tool({"devices", "--json", "-"}, {"OCL_ICD_VENDORS=/nonexistent/"});
+    const Outcome outcome = run_tool({"devices", "--json", "-"}, {no_drivers()});
     CHECK(outcome.exit_code == 1);
     CHECK(outcome.out.empty());
     CHECK_THAT(outcome.err, Contains("clbvh: error: ") && Contains("pocl-opencl-icd"));

@@ -26,7 +26,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-const Words kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
+const Words kNoDriver{no_drivers()};
 
 Outcome metrics(Words words, const Words& more = {}) {
     words.insert(words.begin(), "metrics");

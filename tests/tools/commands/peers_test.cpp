@@ -5,6 +5,7 @@
 
 #include "embree/embree_peer.hpp"
 #include "tools/result_fields.hpp"
+#include "tools/scratch_folder.hpp"
 #include "tools/tool_process.hpp"
 
 using namespace clbvh;
@@ -23,7 +24,7 @@ bool has_embree() {
     }
 }
 
-const std::vector<std::string> kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
+const std::vector<std::string> kNoDriver{no_drivers()};
 
 /// A peer whose tree cannot be read: what it cost, and nothing of a tree.
 void check_time_only(const ordered_json& result) {

@@ -147,7 +147,7 @@ TEST_CASE("render names what is wrong with its input") {
     expect_failure({"gen:soup:10", "-o", file, "--camera", "1,1,1,1,1,1"}, {"--camera", "target is at its eye"});
     expect_failure({"gen:soup:10", "-o", file, "--builder", "plocpq"}, {"plocpq", "plocpp"});
     expect_failure({"gen:soup:10", "-o", file, "--tracer", "device", "--mode", "heat-leaves"}, {"--tracer"});
-    expect_failure({"/nonexistent/scene.obj", "-o", folder.path("none/picture.png")}, {"/nonexistent/scene.obj"});
+    expect_failure({missing_path("scene.obj"), "-o", folder.path("none/picture.png")}, {missing_path("scene.obj")});
     expect_failure({"gen:soup:10", "-o", folder.path("none/picture.png")}, {"none/picture.png"});
     CHECK(folder.file_count() == 0);
 }

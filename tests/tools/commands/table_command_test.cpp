@@ -33,7 +33,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-const Words kNoDriver{"OCL_ICD_VENDORS=/nonexistent/"};
+const Words kNoDriver{no_drivers()};
 const Words kAilaIds{"lbvh", "bbvh", "sbvh", "agglo", "bittner", "hclimb", "anneal", "treelet", "streelet"};
 const Words kFew{"--count", "2000", "--runs", "1", "--anneal-passes", "60"};
 

@@ -177,13 +177,13 @@ TEST_CASE("trace names what is wrong with its input") {
     expect_failure({"gen:soup:10", "--builder", "plocpq"}, {"plocpq", "plocpp"});
     expect_failure({"gen:soup:10", "--camera", "1,2,3"}, {"--camera", "1,2,3"});
     expect_failure({"gen:soup:10", "--up", "w"}, {"--up", "w", "-x"});
-    expect_failure({"gen:soup:10", "--load-rays", "/nonexistent/rays"}, {"/nonexistent/rays"});
-    expect_failure({"gen:soup:10", "--save-rays", "/nonexistent/rays"}, {"/nonexistent/rays"});
+    expect_failure({"gen:soup:10", "--load-rays", missing_path("rays")}, {missing_path("rays")});
+    expect_failure({"gen:soup:10", "--save-rays", missing_path("rays")}, {missing_path("rays")});
     expect_failure({"gen:soup:10", "gen:soup:20", "--save-rays", "rays"}, {"--save-rays", "one scene"});
     expect_failure({"gen:soup:10", "--rays", "ao,shadow", "--save-rays", "rays"}, {"--save-rays", "one kind"});
     expect_failure({"gen:soup:10", "--camera", "9,9,9,10,10,10"}, {"gen:soup:10", "diffuse", "--camera"});
     expect_failure({"gen:soup:0", "--rays", "random"}, {"gen:soup:0", "no surface"});
-    expect_failure({"/nonexistent/scene.obj"}, {"/nonexistent/scene.obj"});
+    expect_failure({missing_path("scene.obj")}, {missing_path("scene.obj")});
 }
 
 TEST_CASE("bench tells what rays cost where it is asked") {

@@ -86,13 +86,13 @@ TEST_CASE("tune -o writes another file, which CLBVH_PROFILE names") {
 }
 
 TEST_CASE("a profile that CLBVH_PROFILE names in vain stops builds, and devices says why") {
-    const std::vector<std::string> environment{"CLBVH_PROFILE=/no/such/file"};
+    const std::vector<std::string> environment{"CLBVH_PROFILE=" + missing_path("profile")};
     const Outcome build = run_tool({"build", "gen:soup:100"}, environment);
     CHECK(build.exit_code == 1);
-    CHECK_THAT(build.err, Contains("CLBVH_PROFILE") && Contains("/no/such/file"));
+    CHECK_THAT(build.err, Contains("CLBVH_PROFILE") && Contains(missing_path("profile")));
     const Outcome devices = run_tool({"devices"}, environment);
     CHECK(devices.exit_code == 0);
-    CHECK_THAT(devices.out, Contains("/no/such/file is not used"));
+    CHECK_THAT(devices.out, Contains(missing_path("profile") + " is not used"));
 }
 
 TEST_CASE("tune refuses what cannot be before it measures") {
@@ -100,9 +100,9 @@ TEST_CASE("tune refuses what cannot be before it measures") {
     const Outcome scene = run_tool({"tune", "gen:nothing"});
     CHECK(scene.exit_code == 1);
     CHECK_THAT(scene.err, Contains("gen:nothing"));
-    const Outcome file = run_tool(with(kSmall, {"-o", "/no/such/folder/profile.json"}));
+    const Outcome file = run_tool(with(kSmall, {"-o", missing_path("folder/profile.json")}));
     CHECK(file.exit_code == 1);
-    CHECK_THAT(file.err, Contains("/no/such/folder"));
+    CHECK_THAT(file.err, Contains(missing_path("folder")));
     const Outcome homeless = run_tool(kSmall, {"HOME=", "XDG_CONFIG_HOME="});
     CHECK(homeless.exit_code == 1);
     CHECK_THAT(homeless.err, Contains("use -o"));
