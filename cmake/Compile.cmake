@@ -1,5 +1,6 @@
 # Flags that every target of the project is compiled with.
 add_library(clbvh_flags INTERFACE)
+target_compile_features(clbvh_flags INTERFACE cxx_std_20)
 # Contraction is off so that a distance computed here equals the kernels' to the bit. psabi: notes about gcc 4.6.
 target_compile_options(clbvh_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -ffp-contract=off

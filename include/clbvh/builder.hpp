@@ -7,10 +7,12 @@
 #include "clbvh/core/build_stats.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
-#include "clbvh/device/context.hpp"
+#include "clbvh/export.h"
 #include "clbvh/registry.hpp"
 
 namespace clbvh {
+
+class Context;
 
 /// Builds trees with one builder, on the host or on one device, and keeps programs and memory between builds.
 ///
@@ -19,7 +21,7 @@ namespace clbvh {
 ///
 /// build() is upload(), run() and download() in one call; the three apart let a caller time or repeat the middle.
 /// After any exception the builder can be used again. One thread at a time.
-class Builder {
+class CLBVH_API Builder {
 public:
     /// Of a builder, or of a preset. Opens the default device where the builder needs one. Throws what Context::open,
     /// find_builder and check_options throw.
@@ -63,7 +65,7 @@ private:
 };
 
 /// One call from a host mesh to a tree, on the default device.
-[[nodiscard]] Bvh build(const Mesh& mesh, std::string_view builder_id = "plocpp", const BuildOptions& options = {},
-                        BuildStats* stats = nullptr);
+[[nodiscard]] CLBVH_API Bvh build(const Mesh& mesh, std::string_view builder_id = "plocpp",
+                                  const BuildOptions& options = {}, BuildStats* stats = nullptr);
 
 }  // namespace clbvh

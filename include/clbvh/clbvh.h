@@ -6,6 +6,9 @@
 
 #include <stdint.h>
 
+#include "clbvh/export.h"
+#include "clbvh/version.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -69,21 +72,21 @@ typedef struct clbvh_builder clbvh_builder;
 
 /** Fills the first `size` bytes of `options` with the defaults, and its field `size`. Pass sizeof(clbvh_options): a
    later version of the library then writes no field that the caller was not compiled with. */
-void clbvh_default_options(clbvh_options* options, uint32_t size);
+CLBVH_API void clbvh_default_options(clbvh_options* options, uint32_t size);
 
 /** Creates builder or preset `id` ("plocpp", "high", ...) on the device that `device` picks (null or "": the default,
    see clbvh::pick_device). Builders of the host ("binned-sah", ...) need no device and ignore `device`. `options` may
    be null. `*builder` is null after a failure. */
-clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh_options* options,
-                                 clbvh_builder** builder);
+CLBVH_API clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh_options* options,
+                                           clbvh_builder** builder);
 
 /** Destroys the builder and its tree; null is allowed. */
-void clbvh_destroy_builder(clbvh_builder* builder);
+CLBVH_API void clbvh_destroy_builder(clbvh_builder* builder);
 
 /** Builds over `triangle_count` triangles, three indices each, of `vertex_count` vertices, three floats each. After a
     failure the builder holds no tree and can be used again. */
-clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
-                        uint64_t triangle_count);
+CLBVH_API clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t vertex_count,
+                                  const uint32_t* triangles, uint64_t triangle_count);
 
 /** When clbvh_optimize stops at the latest; fill with zeros, then set `size`. Later versions may append fields. */
 typedef struct clbvh_budget {
@@ -110,29 +113,30 @@ typedef struct clbvh_optimize_stats {
     say; see clbvh::optimizers), one after the other, on all threads. `budget` and `stats` may be null. Fails with
     CLBVH_INVALID_INPUT where there is no tree, an id is unknown, or one splits triangles first: that is for
     clbvh_options.optimizers. After a failure the tree is as it was. */
-clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_budget* budget,
-                           clbvh_optimize_stats* stats);
+CLBVH_API clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_budget* budget,
+                                     clbvh_optimize_stats* stats);
 
 /** Gives the tree of the last clbvh_build the boxes that its triangles ask for at new places, on all threads; its
     structure stays. Arguments as for clbvh_build: as many triangles, of which the same have a NaN. The SAH costs before
     and after go to `sah_before` and `sah_after`, either of which may be null: where the cost has risen much since the
     build, build anew. The second call and later ones are faster. After CLBVH_INVALID_INPUT the tree is as it was. After
     CLBVH_OUT_OF_MEMORY some boxes are old and some new: the next call that succeeds puts all of them right. */
-clbvh_error clbvh_refit(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
-                        uint64_t triangle_count, double* sah_before, double* sah_after);
+CLBVH_API clbvh_error clbvh_refit(clbvh_builder* builder, const float* vertices, uint64_t vertex_count,
+                                  const uint32_t* triangles, uint64_t triangle_count, double* sah_before,
+                                  double* sah_after);
 
 /** The tree of the last clbvh_build, valid until the next, or the next clbvh_optimize or clbvh_refit, which change it;
     `*count` becomes its length. Null and 0 where there is none. */
-const clbvh_node* clbvh_nodes(const clbvh_builder* builder, uint64_t* count);
+CLBVH_API const clbvh_node* clbvh_nodes(const clbvh_builder* builder, uint64_t* count);
 /** The primitive ids that leaves refer to; as clbvh_nodes. Each id of an active triangle once, unless
     clbvh_has_split_references. */
-const uint32_t* clbvh_primitive_ids(const clbvh_builder* builder, uint64_t* count);
+CLBVH_API const uint32_t* clbvh_primitive_ids(const clbvh_builder* builder, uint64_t* count);
 /** 1 where the builder was free to cut triangles in parts, else 0. Then an id may repeat, in different leaves, whose
     boxes cover the triangle together, and there may be more ids than triangles. */
-int clbvh_has_split_references(const clbvh_builder* builder);
+CLBVH_API int clbvh_has_split_references(const clbvh_builder* builder);
 
 /** What the last failed call of this thread says; never null. */
-const char* clbvh_last_error(void);
+CLBVH_API const char* clbvh_last_error(void);
 
 #ifdef __cplusplus
 }

@@ -12,13 +12,8 @@
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/core/ray.hpp"
 #include "clbvh/core/validate.hpp"
-#include "clbvh/device/batch_builder.hpp"
 #include "clbvh/device/context.hpp"
 #include "clbvh/device/device.hpp"
-#include "clbvh/device/device_builder.hpp"
-#include "clbvh/device/device_optimizer.hpp"
-#include "clbvh/device/device_refitter.hpp"
-#include "clbvh/device/device_tracer.hpp"
 #include "clbvh/host/aac.hpp"
 #include "clbvh/host/binned_sah.hpp"
 #include "clbvh/host/collapse.hpp"
@@ -41,3 +36,12 @@
 #include "clbvh/registry.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "clbvh/trace/traverse.hpp"
+#include "clbvh/version.h"
+
+#if !defined(CLBVH_NO_OPENCL)  // which the package of a library without OpenCL defines
+#include "clbvh/device/batch_builder.hpp"
+#include "clbvh/device/device_builder.hpp"
+#include "clbvh/device/device_optimizer.hpp"
+#include "clbvh/device/device_refitter.hpp"
+#include "clbvh/device/device_tracer.hpp"
+#endif

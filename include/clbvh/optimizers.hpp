@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 #include "clbvh/optimize/budget.hpp"
 
 namespace clbvh {
@@ -20,19 +21,19 @@ struct OptimizerInfo {
 };
 
 /// Every optimiser of the library, in the order in which tables list them.
-[[nodiscard]] std::span<const OptimizerInfo> optimizers() noexcept;
+[[nodiscard]] CLBVH_API std::span<const OptimizerInfo> optimizers() noexcept;
 
 /// The row of `id`. Throws Error(invalid_input) that lists the known ids.
-[[nodiscard]] const OptimizerInfo& find_optimizer(std::string_view id);
+[[nodiscard]] CLBVH_API const OptimizerInfo& find_optimizer(std::string_view id);
 
 /// Throws what find_optimizer throws for the first unknown id of `ids`, ids with commas between them; none are fine.
-void check_optimizers(std::string_view ids);
+CLBVH_API void check_optimizers(std::string_view ids);
 
 /// Runs the optimisers of `ids`, ids with commas between them, one after the other with their default settings, each
 /// within `budget`. Works in the calling task arena of oneTBB; the same tree on any number of threads. `stats` has the
 /// sums of all. Throws what check_optimizers throws, Error(invalid_input) for one that splits triangles first (see
 /// OptimizerInfo), and Error(out_of_memory). The functions of clbvh/optimize/ take settings of their own.
-[[nodiscard]] Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget = {},
-                           OptimizeStats* stats = nullptr);
+[[nodiscard]] CLBVH_API Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget = {},
+                                     OptimizeStats* stats = nullptr);
 
 }  // namespace clbvh

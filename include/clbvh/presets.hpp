@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "clbvh/core/build_options.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -21,15 +22,15 @@ struct PresetInfo {
 };
 
 /// Every preset, the fastest first.
-[[nodiscard]] std::span<const PresetInfo> presets() noexcept;
+[[nodiscard]] CLBVH_API std::span<const PresetInfo> presets() noexcept;
 
 /// The preset of that id; null where there is none.
-[[nodiscard]] const PresetInfo* find_preset(std::string_view id) noexcept;
+[[nodiscard]] CLBVH_API const PresetInfo* find_preset(std::string_view id) noexcept;
 
 /// `options` with the preset's values where they are left to it: empty, or 0. Its passes come with its optimisers only.
-[[nodiscard]] BuildOptions with_preset(const PresetInfo& preset, BuildOptions options = {});
+[[nodiscard]] CLBVH_API BuildOptions with_preset(const PresetInfo& preset, BuildOptions options = {});
 
 /// The same for the id of a builder or of a preset: what a builder made with both runs with.
-[[nodiscard]] BuildOptions with_preset(std::string_view id, const BuildOptions& options);
+[[nodiscard]] CLBVH_API BuildOptions with_preset(std::string_view id, const BuildOptions& options);
 
 }  // namespace clbvh

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "clbvh/core/build_options.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -28,10 +29,10 @@ struct BuilderInfo {
 }
 
 /// Every builder of the library, in the order in which tables list them.
-[[nodiscard]] std::span<const BuilderInfo> builders() noexcept;
+[[nodiscard]] CLBVH_API std::span<const BuilderInfo> builders() noexcept;
 
 /// The row of `id`, or of the builder that the preset `id` runs (see presets()). Throws Error(invalid_input) that lists
 /// the known ids.
-[[nodiscard]] const BuilderInfo& find_builder(std::string_view id);
+[[nodiscard]] CLBVH_API const BuilderInfo& find_builder(std::string_view id);
 
 }  // namespace clbvh

@@ -9,6 +9,7 @@
 #include "build/presplit_stage.hpp"
 #include "catalog/optimizer_rows.hpp"
 #include "clbvh/core/error.hpp"
+#include "clbvh/device/context.hpp"
 #include "clbvh/optimizers.hpp"
 #include "clbvh/presets.hpp"
 #include "core/arena_size.hpp"
@@ -26,7 +27,7 @@ void check_for(const BuilderInfo& info, const BuildOptions& options) {
                                                 " builds its trees on the host; let the host optimize them, or take a "
                                                 "device builder");
     }
-    static_cast<void>(find_device_optimizers(options.optimizers));
+    check_device_optimizers(options.optimizers);
 }
 
 // What needs no device is checked before one is opened.
@@ -68,7 +69,7 @@ BuildOptions options_of_builder(const BuildOptions& options) {
 
 }  // namespace
 
-struct Builder::State {
+struct CLBVH_NO_EXPORT Builder::State {
     State(std::string_view builder_id, std::optional<Context> chosen_context, const BuildOptions& chosen_options)
         : row(find_builder_row(builder_id)),
           id(find_preset(builder_id) != nullptr ? find_preset(builder_id)->id : row.info.id),

@@ -1,5 +1,5 @@
 #include "build/backend.hpp"
-#include "catalog/optimizer_rows.hpp"
+#include "catalog/device_optimizers.hpp"
 #include "device/build/pipeline.hpp"
 #include "device/opencl/session.hpp"
 

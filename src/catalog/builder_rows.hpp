@@ -1,15 +1,18 @@
 #pragma once
 
 #include "clbvh/registry.hpp"
-#include "device/build/device_algorithm.hpp"
 #include "host/build/host_build.hpp"
 
 namespace clbvh {
 
+namespace device {
+struct DeviceAlgorithm;
+}
+
 /// A builder's public row and what is behind it: one of the two, as its kind says.
 struct BuilderRow {
     BuilderInfo info;
-    const device::DeviceAlgorithm* device_algorithm;
+    const device::DeviceAlgorithm* device_algorithm;  ///< Null in builds without OpenCL.
     host::HostAlgorithm host_algorithm;
     bool clips_triangles = false;  ///< The host algorithm reads HostBuild::mesh.
 };

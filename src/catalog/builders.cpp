@@ -14,6 +14,13 @@
 #include "host/top_down/sbvh.hpp"
 #include "host/top_down/sweep_sah.hpp"
 
+#if defined(CLBVH_NO_OPENCL)
+#define ON_DEVICE(algorithm) nullptr
+#else
+#include "device/build/device_algorithm.hpp"
+#define ON_DEVICE(algorithm) (&device::algorithm)
+#endif
+
 namespace clbvh {
 namespace {
 
@@ -71,23 +78,23 @@ void run_aac_fast(host::HostBuild& build, const BuildOptions& options) {
 const BuilderRow kRows[] = {
     {{"ploc", "PLOC: nearest neighbours in Morton order, five kernels an iteration", "Meister, Bittner 2018",
       BuilderKind::device, true, true},
-     &device::kPloc,
+     ON_DEVICE(kPloc),
      nullptr},
     {{"plocpp", "PLOC++: fused search and merge, two kernels an iteration, one work group for the top",
       "Benthin, Drabinski, Tessari, Dittebrandt 2022", BuilderKind::device, true, true, true},
-     &device::kPlocpp,
+     ON_DEVICE(kPlocpp),
      nullptr},
     {{"plocpp-two-level", "PLOC++ Two-Level: independent Morton ranges, one work group each, then the top",
       "Benthin, Drabinski, Tessari, Dittebrandt 2022, section 4.5", BuilderKind::device, true, true},
-     &device::kPlocppTwoLevel,
+     ON_DEVICE(kPlocppTwoLevel),
      nullptr},
     {{"hploc", "H-PLOC: the Morton tree bottom-up, the clusters of each node reduced among themselves",
       "Benthin, Meister, Barczak, Mehalwal, Tsakok, Kensler 2024", BuilderKind::device, true, false, false, true},
-     &device::kHploc,
+     ON_DEVICE(kHploc),
      nullptr},
     {{"lbvh", "LBVH: the tree that sorted Morton codes imply, bottom-up in one pass",
       "Lauterbach et al. 2009, Karras 2012, Apetrei 2014", BuilderKind::device, false},
-     &device::kLbvh,
+     ON_DEVICE(kLbvh),
      nullptr},
     {{"binned-sah", "Binned SAH: top-down, the surface area heuristic between 16 bins an axis", "Wald 2007",
       BuilderKind::host, false},

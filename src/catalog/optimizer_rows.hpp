@@ -6,9 +6,12 @@
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/optimize/budget.hpp"
-#include "device/tree/optimize.hpp"
 
 namespace clbvh {
+
+namespace device {
+struct DeviceOptimizerRow;
+}
 
 /// The ids of a list with commas between them; none where it is empty.
 [[nodiscard]] std::vector<std::string_view> optimizer_ids(std::string_view list);
@@ -21,11 +24,12 @@ namespace clbvh {
 /// check_optimizers throws, and Error(invalid_input) where triangles would be split by presplit_level instead.
 [[nodiscard]] BuildOptions with_split_of_optimizers(BuildOptions options);
 
-/// The optimisers of `ids`, ids with commas between them, as they run on devices. Throws what check_optimizers throws,
-/// and Error(unsupported) naming the first that runs on the host only.
-[[nodiscard]] std::vector<device::ChosenOptimizer> find_device_optimizers(std::string_view ids);
+/// What is behind the optimiser `id` on devices; null where it runs on the host only. Throws what find_optimizer
+/// throws.
+[[nodiscard]] const device::DeviceOptimizerRow* find_device_row(std::string_view id);
 
-/// Those of `options`, in its shape. Throws what find_device_optimizers and OptimizerChain throw.
-[[nodiscard]] device::OptimizerChain make_optimizer_chain(device::Session& session, const BuildOptions& options);
+/// Throws what check_optimizers throws, and Error(unsupported) naming the first of `ids`, ids with commas between them,
+/// that runs on the host only.
+void check_device_optimizers(std::string_view ids);
 
 }  // namespace clbvh

@@ -12,6 +12,13 @@
 #include "clbvh/optimize/rotate.hpp"
 #include "clbvh/optimize/treelet.hpp"
 
+#if defined(CLBVH_NO_OPENCL)
+#define ON_DEVICE(row) nullptr
+#else
+#include "device/tree/device_optimizer_row.hpp"
+#define ON_DEVICE(row) (&device::row)
+#endif
+
 namespace clbvh {
 namespace {
 
@@ -35,7 +42,7 @@ const OptimizerRow kRows[] = {
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
          return reinsert(std::move(tree), within<ReinsertConfig>(budget), &stats);
      },
-     &device::kReinsert},
+     ON_DEVICE(kReinsert)},
     {{"reinsert-batches", "The same, one subtree after the other, the worst nodes first",
       "Bittner, Hapala, Havran 2013"},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
@@ -45,7 +52,7 @@ const OptimizerRow kRows[] = {
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
          return restructure_treelets(std::move(tree), within<TreeletConfig>(budget), &stats);
      },
-     &device::kTreelet},
+     ON_DEVICE(kTreelet)},
     {{"treelet-split", "The same, after the triangles that have most to gain were split: a quota of 30 % more",
       "Karras, Aila 2013", true},
      [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
@@ -155,24 +162,17 @@ void check_optimizers(std::string_view ids) {
     static_cast<void>(find_rows(ids));
 }
 
-std::vector<device::ChosenOptimizer> find_device_optimizers(std::string_view ids) {
-    std::vector<device::ChosenOptimizer> chosen;
+const device::DeviceOptimizerRow* find_device_row(std::string_view id) {
+    return find_row(id).device_row;
+}
+
+void check_device_optimizers(std::string_view ids) {
     for (const OptimizerRow* row : find_rows(ids)) {
         if (row->device_row == nullptr) {
             throw Error(ErrorCode::unsupported, "the optimizer " + std::string(row->info.id) +
                                                     " runs on the host only; take another, or let the host optimize");
         }
-        chosen.push_back({row->info.id, row->device_row});
     }
-    return chosen;
-}
-
-device::OptimizerChain make_optimizer_chain(device::Session& session, const BuildOptions& options) {
-    if (options.optimizers.empty()) return {};
-    DeviceOptimizerOptions device_options;
-    device_options.shape = options.shape;
-    device_options.passes = std::min(options.optimize_passes, device::kMostPasses);
-    return {session, find_device_optimizers(options.optimizers), device_options};
 }
 
 Bvh optimize(Bvh tree, std::string_view ids, const OptimizeBudget& budget, OptimizeStats* stats) {

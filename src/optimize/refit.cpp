@@ -145,7 +145,7 @@ double relative(double sum, double root_area, double costs) {
 
 }  // namespace
 
-struct Refitter::State {
+struct CLBVH_NO_EXPORT Refitter::State {
     explicit State(const Bvh& tree) : node_count(tree.nodes.size()) {
         if (tree.empty() || tree.nodes[0].is_leaf()) return;
         plan.emplace(tree.nodes);

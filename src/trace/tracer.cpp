@@ -39,7 +39,7 @@ void check_length(const char* name, std::size_t length, std::size_t rays) {
 
 }  // namespace
 
-struct Tracer::State {
+struct CLBVH_NO_EXPORT Tracer::State {
     State(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options)
         : triangle_test(options.triangle_test),
           arena(arena_size_for(options)),

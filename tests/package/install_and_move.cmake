@@ -1,11 +1,12 @@
-# Installs BUILD_DIR, moves the tree to PREFIX, and fails where a file of it still knows BUILD_DIR, SOURCE_DIR or the
+# Installs COMPONENT of BUILD_DIR, moves the tree to PREFIX, and fails where a file of it still knows BUILD_DIR, SOURCE_DIR or the
 # place before the move.
 set(before ${PREFIX}-before-the-move)
 file(REMOVE_RECURSE ${before} ${PREFIX})
-execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${before} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${before} --component ${COMPONENT}
+  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 file(RENAME ${before} ${PREFIX})
 
-file(GLOB_RECURSE texts ${PREFIX}/*.cmake ${PREFIX}/*.pc ${PREFIX}/*.hpp)
+file(GLOB_RECURSE texts ${PREFIX}/*.cmake ${PREFIX}/*.pc ${PREFIX}/*.hpp ${PREFIX}/*.h)
 list(LENGTH texts text_count)
 if(text_count LESS 10)
   message(FATAL_ERROR "${PREFIX} holds only ${text_count} headers and package files")

@@ -1,13 +1,15 @@
 #include <fmt/core.h>
 
+#include <clbvh/version.h>
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "cli/exit_code.hpp"
 #include "cli/interrupt.hpp"
@@ -35,14 +37,23 @@ int usage_error(std::string_view message) {
     return kExitUsage;
 }
 
+std::vector<Command> add_commands(CLI::App& app) {
+    std::vector<Command> commands{add_devices_command(app), add_builders_command(app), add_scenes_command(app),
+                                  add_build_command(app), add_bench_command(app)};
+#if !defined(CLBVH_NO_OPENCL)
+    commands.push_back(add_tune_command(app));  // which is about devices alone
+#endif
+    for (const auto add :
+         {add_trace_command, add_render_command, add_metrics_command, add_table_command, add_dump_command})
+        commands.push_back(add(app));
+    return commands;
+}
+
 int parse_and_run(int argc, char** argv) {
     CLI::App app{"Builds bounding volume hierarchies for ray tracing with OpenCL, on GPUs and CPUs.", "clbvh"};
-    app.set_version_flag("--version", "clbvh " CLBVH_VERSION);
+    app.set_version_flag("--version", std::string("clbvh ") + clbvh_version_string());
     app.require_subcommand(0, 1);
-    const std::array commands{add_devices_command(app), add_builders_command(app), add_scenes_command(app),
-                              add_build_command(app),   add_bench_command(app),    add_tune_command(app),
-                              add_trace_command(app),   add_render_command(app),   add_metrics_command(app),
-                              add_table_command(app),   add_dump_command(app)};
+    const std::vector<Command> commands = add_commands(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& help_or_version) {

@@ -5,6 +5,7 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <clbvh/version.h>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -128,7 +129,7 @@ Machine describe_machine() {
     machine.os = os_name_in(os_release);
     machine.kernel = kernel_name();
     machine.compiler = compiler_name();
-    machine.version = CLBVH_VERSION;
+    machine.version = clbvh_version_string();
     machine.date = utc_now();
     return machine;
 }

@@ -1,9 +1,15 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
+// The parentheses around min and max keep macros of these names, as <windows.h> has them, from being expanded.
 namespace clbvh {
+
+// Made of bits, since with -ffast-math clang forgets an infinity that a function returns or an operator makes.
+inline constexpr float kPositiveInfinity = std::bit_cast<float>(0x7F800000U);
+inline constexpr float kNegativeInfinity = std::bit_cast<float>(0xFF800000U);
 
 /// A point or direction in scene units; three packed floats.
 struct Vec3 {
@@ -14,32 +20,30 @@ struct Vec3 {
     friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
 };
 
-[[nodiscard]] constexpr Vec3 min(const Vec3& a, const Vec3& b) noexcept {
-    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+[[nodiscard]] constexpr Vec3(min)(const Vec3& a, const Vec3& b) noexcept {
+    return {(std::min)(a.x, b.x), (std::min)(a.y, b.y), (std::min)(a.z, b.z)};
 }
 
-[[nodiscard]] constexpr Vec3 max(const Vec3& a, const Vec3& b) noexcept {
-    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+[[nodiscard]] constexpr Vec3(max)(const Vec3& a, const Vec3& b) noexcept {
+    return {(std::max)(a.x, b.x), (std::max)(a.y, b.y), (std::max)(a.z, b.z)};
 }
 
 /// Axis-aligned bounding box. Default-constructed empty: merging anything into it gives that thing.
 struct Aabb {
-    Vec3 lower{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
-               std::numeric_limits<float>::infinity()};
-    Vec3 upper{-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
-               -std::numeric_limits<float>::infinity()};
+    Vec3 lower{kPositiveInfinity, kPositiveInfinity, kPositiveInfinity};
+    Vec3 upper{kNegativeInfinity, kNegativeInfinity, kNegativeInfinity};
 
     friend constexpr bool operator==(const Aabb&, const Aabb&) = default;
 };
 
 /// The smallest box around both.
 [[nodiscard]] constexpr Aabb merge(const Aabb& a, const Aabb& b) noexcept {
-    return {min(a.lower, b.lower), max(a.upper, b.upper)};
+    return {(min)(a.lower, b.lower), (max)(a.upper, b.upper)};
 }
 
 /// The smallest box around the box and the point.
 [[nodiscard]] constexpr Aabb merge(const Aabb& a, const Vec3& p) noexcept {
-    return {min(a.lower, p), max(a.upper, p)};
+    return {(min)(a.lower, p), (max)(a.upper, p)};
 }
 
 /// Half the surface area in float32: x * (y + z) + y * z over the extents, in this order of operations.

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "clbvh/core/build_stats.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -115,25 +116,26 @@ struct BuildOptions {
 };
 
 /// Throws Error(invalid_input) naming the first option out of its range.
-void check_options(const BuildOptions& options);
+CLBVH_API void check_options(const BuildOptions& options);
 
-[[nodiscard]] std::string_view to_string(Shape shape) noexcept;                 ///< "auto", "group", "lane"
-[[nodiscard]] std::string_view to_string(MortonCode code) noexcept;             ///< "xyz", "extended"
-[[nodiscard]] std::string_view to_string(NeighbourEncoding encoding) noexcept;  ///< "auto", "bits32", "bits64"
-[[nodiscard]] std::string_view to_string(NeighbourSearch search) noexcept;      ///< "auto", "symmetric", "scan"
-[[nodiscard]] std::string_view to_string(HplocQuality quality) noexcept;        ///< "balanced", "fast"
-[[nodiscard]] std::string_view to_string(HplocSearch search) noexcept;          ///< "auto", "all-pairs", "window"
-[[nodiscard]] std::string_view to_string(PairMerging merging) noexcept;         ///< "auto", "on", "off"
+[[nodiscard]] CLBVH_API std::string_view to_string(Shape shape) noexcept;      ///< "auto", "group", "lane"
+[[nodiscard]] CLBVH_API std::string_view to_string(MortonCode code) noexcept;  ///< "xyz", "extended"
+/// "auto", "bits32", "bits64"
+[[nodiscard]] CLBVH_API std::string_view to_string(NeighbourEncoding encoding) noexcept;
+[[nodiscard]] CLBVH_API std::string_view to_string(NeighbourSearch search) noexcept;  ///< "auto", "symmetric", "scan"
+[[nodiscard]] CLBVH_API std::string_view to_string(HplocQuality quality) noexcept;    ///< "balanced", "fast"
+[[nodiscard]] CLBVH_API std::string_view to_string(HplocSearch search) noexcept;      ///< "auto", "all-pairs", "window"
+[[nodiscard]] CLBVH_API std::string_view to_string(PairMerging merging) noexcept;     ///< "auto", "on", "off"
 
-[[nodiscard]] std::string_view to_string(OptimizeOn where) noexcept;  ///< "host", "device"
+[[nodiscard]] CLBVH_API std::string_view to_string(OptimizeOn where) noexcept;  ///< "host", "device"
 
-[[nodiscard]] std::optional<Shape> shape_from(std::string_view name) noexcept;
-[[nodiscard]] std::optional<MortonCode> morton_code_from(std::string_view name) noexcept;
-[[nodiscard]] std::optional<NeighbourEncoding> neighbour_encoding_from(std::string_view name) noexcept;
-[[nodiscard]] std::optional<NeighbourSearch> neighbour_search_from(std::string_view name) noexcept;
-[[nodiscard]] std::optional<HplocQuality> hploc_quality_from(std::string_view name) noexcept;
-[[nodiscard]] std::optional<HplocSearch> hploc_search_from(std::string_view name) noexcept;
-[[nodiscard]] std::optional<PairMerging> pair_merging_from(std::string_view name) noexcept;
-[[nodiscard]] std::optional<OptimizeOn> optimize_on_from(std::string_view name) noexcept;
+[[nodiscard]] CLBVH_API std::optional<Shape> shape_from(std::string_view name) noexcept;
+[[nodiscard]] CLBVH_API std::optional<MortonCode> morton_code_from(std::string_view name) noexcept;
+[[nodiscard]] CLBVH_API std::optional<NeighbourEncoding> neighbour_encoding_from(std::string_view name) noexcept;
+[[nodiscard]] CLBVH_API std::optional<NeighbourSearch> neighbour_search_from(std::string_view name) noexcept;
+[[nodiscard]] CLBVH_API std::optional<HplocQuality> hploc_quality_from(std::string_view name) noexcept;
+[[nodiscard]] CLBVH_API std::optional<HplocSearch> hploc_search_from(std::string_view name) noexcept;
+[[nodiscard]] CLBVH_API std::optional<PairMerging> pair_merging_from(std::string_view name) noexcept;
+[[nodiscard]] CLBVH_API std::optional<OptimizeOn> optimize_on_from(std::string_view name) noexcept;
 
 }  // namespace clbvh

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "clbvh/export.h"
+
 namespace clbvh {
 
 /// What kind of failure an Error reports. The C API returns the same values.
@@ -32,10 +34,13 @@ enum class ErrorCode : int {
 }
 
 /// The one exception type that the library throws on purpose.
-class Error : public std::runtime_error {
+class CLBVH_API Error : public std::runtime_error {
 public:
     /// `message` names the first offender and says what to do.
     Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    Error(const Error&) = default;
+    Error& operator=(const Error&) = default;
+    ~Error() override;  // in the library, and with it the one type information by which it is caught everywhere
 
     [[nodiscard]] ErrorCode code() const noexcept { return code_; }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clbvh/core/aabb.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -33,11 +34,11 @@ inline constexpr std::uint64_t kMaxPrimitives = (std::uint64_t{1} << 30) - 1;
 }
 
 /// True where a coordinate of the triangle is NaN: such a primitive is left out of every tree and never hit.
-[[nodiscard]] bool is_inactive(const Mesh& mesh, std::size_t triangle);
+[[nodiscard]] CLBVH_API bool is_inactive(const Mesh& mesh, std::size_t triangle);
 
 /// Checks the contract that every builder relies on, in parallel, and counts the inactive primitives.
 /// Throws Error(invalid_input) naming the first triangle with an index out of range or a coordinate that is infinite or
 /// beyond kMaxCoordinate, and Error(unsupported) where there are more than kMaxPrimitives triangles.
-[[nodiscard]] std::uint64_t check_mesh(const Mesh& mesh);
+[[nodiscard]] CLBVH_API std::uint64_t check_mesh(const Mesh& mesh);
 
 }  // namespace clbvh

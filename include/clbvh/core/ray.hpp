@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 
 #include "clbvh/core/aabb.hpp"
 
@@ -16,7 +15,7 @@ struct Ray {
     Vec3 origin;
     float t_min = 0.0f;
     Vec3 direction;
-    float t_max = std::numeric_limits<float>::infinity();
+    float t_max = kPositiveInfinity;
 
     friend constexpr bool operator==(const Ray&, const Ray&) = default;
 };
@@ -28,7 +27,7 @@ inline constexpr std::uint32_t kNoPrimitive = 0xFFFFFFFFU;
 /// Where a ray meets a triangle; 16 bytes, the same on host and device. The point is
 /// (1 - u - v) * vertex 0 + u * vertex 1 + v * vertex 2.
 struct Hit {
-    float t = std::numeric_limits<float>::infinity();
+    float t = kPositiveInfinity;
     float u = 0.0f;
     float v = 0.0f;
     std::uint32_t primitive = kNoPrimitive;

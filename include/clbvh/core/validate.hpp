@@ -5,6 +5,7 @@
 
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -29,6 +30,6 @@ struct ValidationReport {
 /// together, up to 2^-34 of its largest coordinate, which is a thousandth of what a float can tell apart. That is
 /// proven by cutting it, in double precision, into pieces each of which lies in a leaf's box. About O(n log n) time
 /// over the trees that builders make.
-[[nodiscard]] ValidationReport validate(const Bvh& bvh, const Mesh& mesh);
+[[nodiscard]] CLBVH_API ValidationReport validate(const Bvh& bvh, const Mesh& mesh);
 
 }  // namespace clbvh

@@ -8,6 +8,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/device/device_builder.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -30,7 +31,7 @@ struct DeviceBatch {
 /// of the same mesh. Meshes of any size are built right, but a large one keeps a single work group busy.
 ///
 /// One thread at a time for all that shares the Context.
-class BatchBuilder {
+class CLBVH_API BatchBuilder {
 public:
     /// Opens the default device. Throws what DeviceBuilder's constructor throws, and Error(unsupported) for extended
     /// Morton codes and 63 code bits.

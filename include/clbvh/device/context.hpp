@@ -1,13 +1,13 @@
 #pragma once
 
-#include <CL/cl.h>
-
 #include <cstdint>
 #include <memory>
 #include <string_view>
 
 #include "clbvh/device/device.hpp"
+#include "clbvh/device/opencl_handles.hpp"
 #include "clbvh/device/profile.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -31,7 +31,7 @@ struct ContextOptions {
 
 /// A device with its OpenCL context, its queue and the programs built for it. Cheap to copy: copies share everything.
 /// Programs are built when a builder is made that needs them, and kept as long as any copy lives. One thread at a time.
-class Context {
+class CLBVH_API Context {
 public:
     /// Opens the device that pick_device(selector) picks, with a context and an in-order profiling queue of its own.
     /// Throws what pick_device throws; Error(invalid_input) where CLBVH_CACHE is none of auto, on, off; and, unless

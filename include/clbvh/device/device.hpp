@@ -6,12 +6,23 @@
 #include <string_view>
 #include <vector>
 
+#include "clbvh/export.h"
+
 namespace clbvh {
 
 /// The kinds of OpenCL device that defaults depend on.
 enum class DeviceType : std::uint8_t { gpu, cpu, accelerator, other };
 
-[[nodiscard]] std::string_view to_string(DeviceType type) noexcept;  ///< "gpu", "cpu", "accelerator", "other"
+/// "gpu", "cpu", "accelerator" or "other".
+[[nodiscard]] constexpr std::string_view to_string(DeviceType type) noexcept {
+    switch (type) {
+        case DeviceType::gpu: return "gpu";
+        case DeviceType::cpu: return "cpu";
+        case DeviceType::accelerator: return "accelerator";
+        case DeviceType::other: break;
+    }
+    return "other";
+}
 
 /// One OpenCL device as the system lists it.
 struct DeviceInfo {
@@ -31,14 +42,15 @@ struct DeviceInfo {
     void* id = nullptr;          ///< The cl_device_id.
 };
 
-/// All devices of all platforms, in the loader's order. Empty where there is none; throws Error(device_failure) only
-/// where a driver breaks.
-[[nodiscard]] std::vector<DeviceInfo> list_devices();
+/// All devices of all platforms, in the loader's order. Empty where there is none, or the library was built without
+/// OpenCL; throws Error(device_failure) only where a driver breaks.
+[[nodiscard]] CLBVH_API std::vector<DeviceInfo> list_devices();
 
 /// Picks a device. `selector` is an index into list_devices(), a type ("gpu", "cpu", "accelerator"), or a part of a
 /// name (case ignored). Where it is empty the environment variable CLBVH_DEVICE stands in, and where that is empty too:
 /// the first GPU, else the first CPU, else the first device. Throws Error(no_device): none at all (the message says
-/// what to install) or none that fits (it lists what there is).
-[[nodiscard]] DeviceInfo pick_device(std::string_view selector = {});
+/// what to install) or none that fits (it lists what there is); Error(unsupported) where the library was built without
+/// OpenCL.
+[[nodiscard]] CLBVH_API DeviceInfo pick_device(std::string_view selector = {});
 
 }  // namespace clbvh

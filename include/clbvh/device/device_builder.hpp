@@ -1,7 +1,5 @@
 #pragma once
 
-#include <CL/cl.h>
-
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -10,6 +8,8 @@
 
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/device/context.hpp"
+#include "clbvh/device/opencl_handles.hpp"
+#include "clbvh/export.h"
 #include "clbvh/registry.hpp"
 
 namespace clbvh {
@@ -68,7 +68,7 @@ struct DeviceBuildSizes {
 ///
 /// The tree is, byte for byte, the one that Builder makes of the same primitives with OptimizeOn::device. One thread at
 /// a time for all that shares the Context: kernels are shared, and their arguments are set by each call.
-class DeviceBuilder {
+class CLBVH_API DeviceBuilder {
 public:
     /// Throws what Builder's constructor throws, and Error(unsupported) for a builder of the host and for options that
     /// are the host's work (max_leaf_size, presplit_level, split_quota). BuildOptions::optimizers run on the device,

@@ -9,6 +9,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/device/context.hpp"
 #include "clbvh/device/device_builder.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -45,7 +46,7 @@ struct DeviceNodes {
 /// What every optimiser keeps: the leaves, the slots in use, and the SAH cost unless it falls. The same tree gives the
 /// same bytes on every run and in both shapes. DeviceBuilder runs the optimisers of BuildOptions::optimizers itself.
 /// One thread at a time for all that shares the Context.
-class DeviceOptimizer {
+class CLBVH_API DeviceOptimizer {
 public:
     /// `ids` are ids of optimizers() with commas between them, run in this order. Throws what check_optimizers throws;
     /// Error(unsupported) naming the first that runs on the host only, or where Shape::lane is asked for and treelets

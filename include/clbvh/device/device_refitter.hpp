@@ -7,6 +7,7 @@
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/device/device_builder.hpp"
 #include "clbvh/device/device_optimizer.hpp"
+#include "clbvh/export.h"
 #include "clbvh/metrics/sah.hpp"
 
 namespace clbvh {
@@ -49,7 +50,7 @@ struct DeviceRefit {
 ///
 /// The boxes are those of refit(), bit for bit. Programs are built when the refitter is made. One thread at a time for
 /// all that shares the Context.
-class DeviceRefitter {
+class CLBVH_API DeviceRefitter {
 public:
     /// Throws Error(invalid_input) where a cost is negative or not finite, and what the device says where a program
     /// does not build.

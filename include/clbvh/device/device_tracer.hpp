@@ -8,6 +8,7 @@
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/core/ray.hpp"
 #include "clbvh/device/device_builder.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -72,7 +73,7 @@ struct DeviceTraceSizes {
 ///     tracer.closest(rays, hits);
 ///
 /// Programs are built when the tracer is made. One thread at a time for all that shares the Context.
-class DeviceTracer {
+class CLBVH_API DeviceTracer {
 public:
     /// Throws Error(invalid_input) for options out of range, Error(unsupported) for a work group that the device cannot
     /// run, and what the device says where a program does not build.

@@ -8,6 +8,7 @@
 
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/device/device.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -33,18 +34,18 @@ struct FoundProfile {
 
 /// The device's own file in the folder of profiles: clbvh in XDG_CONFIG_HOME or in ~/.config. Empty where neither that
 /// variable nor HOME is set.
-[[nodiscard]] std::filesystem::path profile_path(const DeviceInfo& device);
+[[nodiscard]] CLBVH_API std::filesystem::path profile_path(const DeviceInfo& device);
 
 /// The profile that contexts on this device use: of the file that the variable CLBVH_PROFILE names ("off": of none),
 /// else of profile_path(). It has to be for this platform, device and driver, else it is not used, and `reason` says
 /// so. Throws Error(io) or Error(invalid_input) where the file that CLBVH_PROFILE names cannot be read or is no
 /// profile; elsewhere such a file is not used.
-[[nodiscard]] FoundProfile find_profile(const DeviceInfo& device);
+[[nodiscard]] CLBVH_API FoundProfile find_profile(const DeviceInfo& device);
 
 /// A profile as JSON, for a file.
-[[nodiscard]] std::string profile_text(const Profile& profile);
+[[nodiscard]] CLBVH_API std::string profile_text(const Profile& profile);
 
 /// The profile in such a text. Throws Error(invalid_input) naming what is wrong first, with `name` before it.
-[[nodiscard]] Profile parse_profile(std::string_view text, std::string_view name);
+[[nodiscard]] CLBVH_API Profile parse_profile(std::string_view text, std::string_view name);
 
 }  // namespace clbvh

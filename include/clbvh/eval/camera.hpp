@@ -8,6 +8,7 @@
 
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/core/ray.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -17,7 +18,7 @@ class Tracer;
 using ClosestHits = std::function<void(std::span<const Ray> rays, std::span<Hit> hits)>;
 
 /// Asks `tracer`, which has to outlive the result.
-[[nodiscard]] ClosestHits closest_hits_of(const Tracer& tracer);
+[[nodiscard]] CLBVH_EVAL_API ClosestHits closest_hits_of(const Tracer& tracer);
 
 /// A pinhole camera.
 struct Camera {
@@ -30,7 +31,7 @@ struct Camera {
 };
 
 /// The rays of a camera through a picture.
-class CameraRays {
+class CLBVH_EVAL_API CameraRays {
 public:
     /// `aspect` is the picture's width over its height. Throws Error(invalid_input) where the camera has a coordinate
     /// that is not finite, the target is at the eye, or the field of view or the aspect is out of its range. An `up`
@@ -50,22 +51,22 @@ private:
 
 /// The camera in "ex,ey,ez,tx,ty,tz" or "ex,ey,ez,tx,ty,tz,fov": eye, target and field of view. `up` is as given.
 /// Throws Error(invalid_input) that names the text.
-[[nodiscard]] Camera parse_camera(std::string_view text, const Vec3& up);
+[[nodiscard]] CLBVH_EVAL_API Camera parse_camera(std::string_view text, const Vec3& up);
 /// What parse_camera reads back without loss, with the field of view.
-[[nodiscard]] std::string to_string(const Camera& camera);
+[[nodiscard]] CLBVH_EVAL_API std::string to_string(const Camera& camera);
 
 /// The axis in "x", "y", "z", "-x", "-y" or "-z". Throws Error(invalid_input) that names the text.
-[[nodiscard]] Vec3 parse_axis(std::string_view text);
+[[nodiscard]] CLBVH_EVAL_API Vec3 parse_axis(std::string_view text);
 
 /// Which axis of the mesh points up, y or z: z where half again as much of the surface faces along z as along y (a plan
 /// with buildings on it), or where most of it faces along the axes (rooms, buildings) and the mesh is less than 0.7
 /// times as long along z as along y; else y.
-[[nodiscard]] Vec3 guess_up(const Mesh& mesh);
+[[nodiscard]] CLBVH_EVAL_API Vec3 guess_up(const Mesh& mesh);
 
 /// A view of the scene that a person might choose, the same on every run: from the inside where the detail is closed
 /// around, as in a room; else from outside, a little from above. Detail is where nearly all triangles are, whatever
 /// their size. Some 240,000 rays are traced to find it. An empty mesh is
 /// looked at from (0, 0, 1). Throws what `trace` throws.
-[[nodiscard]] Camera fit_camera(const Mesh& mesh, const Vec3& up, const ClosestHits& trace);
+[[nodiscard]] CLBVH_EVAL_API Camera fit_camera(const Mesh& mesh, const Vec3& up, const ClosestHits& trace);
 
 }  // namespace clbvh

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "clbvh/export.h"
+
 namespace clbvh {
 
 /// What is known of one tree: its metrics, and what its rays were measured to cost. Any unit will do for the latter.
@@ -36,22 +38,22 @@ struct CostFit {
 
 /// The sample Pearson correlation coefficient (equation 5). 0 where either side has no variance.
 /// Throws Error(invalid_input) where the spans differ in length or a value is not finite.
-[[nodiscard]] double correlation(std::span<const double> x, std::span<const double> y);
+[[nodiscard]] CLBVH_EVAL_API double correlation(std::span<const double> x, std::span<const double> y);
 
 /// What the weights predict for a tree, up to a straight line.
-[[nodiscard]] double predicted_cost(const TreeCost& tree, const CostWeights& weights) noexcept;
+[[nodiscard]] CLBVH_EVAL_API double predicted_cost(const TreeCost& tree, const CostWeights& weights) noexcept;
 
 /// The correlation of prediction and measurement over trees of one scene. Throws as correlation() does.
-[[nodiscard]] double prediction_quality(std::span<const TreeCost> trees, const CostWeights& weights);
+[[nodiscard]] CLBVH_EVAL_API double prediction_quality(std::span<const TreeCost> trees, const CostWeights& weights);
 
 /// The weights with the highest correlation over the trees of one scene, of which there should be many more than
 /// weights: exact, since it is a problem of least squares with weights >= 0. Of equals those of fewer terms.
 /// Throws Error(invalid_input) where a value is not finite.
-[[nodiscard]] CostFit fit_costs(std::span<const TreeCost> trees, CostTerms terms);
+[[nodiscard]] CLBVH_EVAL_API CostFit fit_costs(std::span<const TreeCost> trees, CostTerms terms);
 
 /// The weights, the same for all scenes, with the highest mean of the scenes' correlations, which is reported (Aila,
 /// Karras, Laine 2013, section 4.3): searched on a grid of hundredths, then finer around its best point.
 /// Throws Error(invalid_input) where a value is not finite.
-[[nodiscard]] CostFit fit_costs(std::span<const std::vector<TreeCost>> scenes, CostTerms terms);
+[[nodiscard]] CLBVH_EVAL_API CostFit fit_costs(std::span<const std::vector<TreeCost>> scenes, CostTerms terms);
 
 }  // namespace clbvh

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -21,6 +22,6 @@ struct CollapseConfig {
 /// of `tree` stay whole, be they larger than max_leaf_size. A primitive that a merged leaf would hold twice, which only
 /// trees with split_references can have, is kept and counted once; subtrees of more than 256 ids are not merged.
 /// Throws Error(invalid_input) where a field of `config` is out of its range, naming it; Error(out_of_memory).
-[[nodiscard]] Bvh collapse(const Bvh& tree, const CollapseConfig& config = {});
+[[nodiscard]] CLBVH_API Bvh collapse(const Bvh& tree, const CollapseConfig& config = {});
 
 }  // namespace clbvh

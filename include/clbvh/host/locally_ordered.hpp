@@ -4,6 +4,7 @@
 
 #include "clbvh/core/aabb.hpp"
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -16,6 +17,6 @@ namespace clbvh {
 /// Builds over `bounds`, where primitive i is bounds[i], on the threads of the calling task arena of oneTBB. Throws
 /// Error(invalid_input) where a box is not legal (a NaN, inverted, beyond kMaxCoordinate), naming the first;
 /// Error(unsupported) beyond kMaxPrimitives; Error(out_of_memory).
-[[nodiscard]] Bvh build_locally_ordered(std::span<const Aabb> bounds);
+[[nodiscard]] CLBVH_API Bvh build_locally_ordered(std::span<const Aabb> bounds);
 
 }  // namespace clbvh

@@ -5,6 +5,7 @@
 
 #include "clbvh/core/aabb.hpp"
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -18,6 +19,6 @@ struct MedianConfig {
 /// Builds over `bounds`, where primitive i is bounds[i], on the threads of the calling task arena of oneTBB.
 /// Throws Error(invalid_input) where a field of `config` is out of its range, naming it, or a box is not legal (a NaN,
 /// inverted, beyond kMaxCoordinate), naming the first; Error(unsupported) beyond kMaxPrimitives; Error(out_of_memory).
-[[nodiscard]] Bvh build_median(std::span<const Aabb> bounds, const MedianConfig& config = {});
+[[nodiscard]] CLBVH_API Bvh build_median(std::span<const Aabb> bounds, const MedianConfig& config = {});
 
 }  // namespace clbvh

@@ -4,6 +4,7 @@
 
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -25,6 +26,6 @@ struct SbvhConfig {
 /// Builds over a mesh, on the threads of the calling task arena of oneTBB. The tree has Bvh::split_references, save
 /// where the budget leaves no reference to spare. Throws Error(invalid_input) where a field of `config` is out of its
 /// range, naming it; what check_mesh throws; Error(out_of_memory).
-[[nodiscard]] Bvh build_sbvh(const Mesh& mesh, const SbvhConfig& config = {});
+[[nodiscard]] CLBVH_API Bvh build_sbvh(const Mesh& mesh, const SbvhConfig& config = {});
 
 }  // namespace clbvh

@@ -5,6 +5,7 @@
 
 #include "clbvh/core/aabb.hpp"
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -21,6 +22,6 @@ struct SweepSahConfig {
 /// Builds over `bounds`, where primitive i is bounds[i], on the threads of the calling task arena of oneTBB.
 /// Throws Error(invalid_input) where a field of `config` is out of its range, naming it, or a box is not legal (a NaN,
 /// inverted, beyond kMaxCoordinate), naming the first; Error(unsupported) beyond kMaxPrimitives; Error(out_of_memory).
-[[nodiscard]] Bvh build_sweep_sah(std::span<const Aabb> bounds, const SweepSahConfig& config = {});
+[[nodiscard]] CLBVH_API Bvh build_sweep_sah(std::span<const Aabb> bounds, const SweepSahConfig& config = {});
 
 }  // namespace clbvh

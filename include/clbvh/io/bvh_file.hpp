@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -12,10 +13,10 @@ namespace clbvh {
 /// uint32 flags, node_bytes = 32; uint64 reserved = 0; uint64 xxh64 of the payload, seed 0; uint64 zero}, then the
 /// nodes, then the uint32 primitive ids. Bit 0 of flags is Bvh::split_references; the others are zero. Throws Error(io)
 /// naming the path and the system's reason.
-void write_bvh(const Bvh& bvh, const std::filesystem::path& path);
+CLBVH_IO_API void write_bvh(const Bvh& bvh, const std::filesystem::path& path);
 
 /// Reads what write_bvh wrote. Checks magic, sizes, hash and every index before use.
 /// Throws Error(io) that says what is wrong and where.
-[[nodiscard]] Bvh read_bvh(const std::filesystem::path& path);
+[[nodiscard]] CLBVH_IO_API Bvh read_bvh(const std::filesystem::path& path);
 
 }  // namespace clbvh

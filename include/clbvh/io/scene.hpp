@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -13,7 +14,7 @@ namespace clbvh {
 /// the library was configured with assimp, to glTF, GLB, STL and whatever else assimp reads. Throws Error(io) naming
 /// the file, and the line where a line is at fault; Error(invalid_input) for an unknown generator, a malformed count or
 /// seed; Error(unsupported) for a format that this build cannot read, saying what would.
-[[nodiscard]] Mesh load_scene(std::string_view scene);
+[[nodiscard]] CLBVH_IO_API Mesh load_scene(std::string_view scene);
 
 /// One generator of test scenes.
 struct SceneGeneratorInfo {
@@ -22,14 +23,14 @@ struct SceneGeneratorInfo {
 };
 
 /// All generators, in the order in which tables list them.
-[[nodiscard]] std::span<const SceneGeneratorInfo> scene_generators() noexcept;
+[[nodiscard]] CLBVH_IO_API std::span<const SceneGeneratorInfo> scene_generators() noexcept;
 
 /// Default number of triangles of a generated scene.
 inline constexpr std::uint64_t kDefaultSceneTriangles = 100000;
 
 /// Makes a scene of exactly `count` triangles, the same for the same arguments on every platform.
 /// Throws Error(invalid_input) for an unknown name or a count over kMaxPrimitives.
-[[nodiscard]] Mesh generate_scene(std::string_view name, std::uint64_t count = kDefaultSceneTriangles,
-                                  std::uint64_t seed = 1);
+[[nodiscard]] CLBVH_IO_API Mesh generate_scene(std::string_view name, std::uint64_t count = kDefaultSceneTriangles,
+                                               std::uint64_t seed = 1);
 
 }  // namespace clbvh

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "clbvh/core/ray.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -17,11 +18,11 @@ struct MeanCounts {
 };
 
 /// All 0 where there are no rays.
-[[nodiscard]] MeanCounts mean_counts(std::span<const RayCounts> rays);
+[[nodiscard]] CLBVH_API MeanCounts mean_counts(std::span<const RayCounts> rays);
 
 /// The leaf count variability (LCV): the standard deviation of the number of leaves that a ray visits, over these rays
 /// (Aila, Karras, Laine 2013, equation 4). Rays that run in lockstep wait for those that visit more leaves. 0 where
 /// there are no rays.
-[[nodiscard]] double leaf_count_variability(std::span<const RayCounts> rays);
+[[nodiscard]] CLBVH_API double leaf_count_variability(std::span<const RayCounts> rays);
 
 }  // namespace clbvh

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -19,6 +20,6 @@ struct SahCosts {
 /// any number of threads. So it is cheap enough to ask after every change whether to build anew.
 /// Throws Error(invalid_input) for a negative or non-finite cost, and where children are out of range or the walk would
 /// not end, naming the node.
-[[nodiscard]] double sah_cost(const Bvh& bvh, const SahCosts& costs = {});
+[[nodiscard]] CLBVH_API double sah_cost(const Bvh& bvh, const SahCosts& costs = {});
 
 }  // namespace clbvh

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -24,11 +25,11 @@ struct TreeStatistics {
         return leaves_by_depth.empty() ? 0 : static_cast<std::uint32_t>(leaves_by_depth.size() - 1);
     }
     /// The mean over the leaves; 0 where there are none.
-    [[nodiscard]] double mean_leaf_depth() const noexcept;
+    [[nodiscard]] CLBVH_API double mean_leaf_depth() const noexcept;
 };
 
 /// Describes a tree in one pass. Boxes are taken as they are. Throws Error(invalid_input) where the nodes form no tree,
 /// or a leaf refers beyond the ids, naming the first such node.
-[[nodiscard]] TreeStatistics tree_statistics(const Bvh& bvh);
+[[nodiscard]] CLBVH_API TreeStatistics tree_statistics(const Bvh& bvh);
 
 }  // namespace clbvh

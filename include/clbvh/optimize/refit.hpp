@@ -4,6 +4,7 @@
 
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/export.h"
 #include "clbvh/metrics/sah.hpp"
 
 namespace clbvh {
@@ -26,11 +27,11 @@ struct RefitStats {
 /// naming it; Error(unsupported) where `nodes` has more than 2^31 - 2 slots; and Error(out_of_memory). After
 /// invalid_input the tree is as it was (save for a Refitter given another tree, see there). Where memory runs out, some
 /// boxes are old and some new: the next refit that succeeds puts all of them right.
-RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs = {});
+CLBVH_API RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs = {});
 
 /// Refits trees of one structure again and again, every frame say: the order in which their nodes are visited is found
 /// once. It keeps 4 bytes for each inner node, and no reference to the tree. One thread at a time.
-class Refitter {
+class CLBVH_API Refitter {
 public:
     /// Takes every tree that validate() accepts. O(n) time, in the calling task arena of oneTBB, about that of a call
     /// of refit(). Throws Error(unsupported) as refit() does, and Error(out_of_memory).

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 #include "clbvh/optimize/budget.hpp"
 
 namespace clbvh {
@@ -23,7 +24,7 @@ struct ReinsertConfig {
 /// Works in the calling task arena of oneTBB; the tree is the same on any number of threads. It takes every tree that
 /// validate() accepts; leaves stay as they are. Throws Error(invalid_input) where a field of `config` is out of its
 /// range, naming it; Error(out_of_memory).
-[[nodiscard]] Bvh reinsert(Bvh tree, const ReinsertConfig& config = {}, OptimizeStats* stats = nullptr);
+[[nodiscard]] CLBVH_API Bvh reinsert(Bvh tree, const ReinsertConfig& config = {}, OptimizeStats* stats = nullptr);
 
 /// Bittner, Hapala, Havran 2013, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies": the sequential
 /// form, in which every search sees all moves before it.
@@ -36,6 +37,7 @@ struct ReinsertBatchesConfig {
 };
 
 /// As reinsert(), on the calling thread.
-[[nodiscard]] Bvh reinsert_batches(Bvh tree, const ReinsertBatchesConfig& config = {}, OptimizeStats* stats = nullptr);
+[[nodiscard]] CLBVH_API Bvh reinsert_batches(Bvh tree, const ReinsertBatchesConfig& config = {},
+                                             OptimizeStats* stats = nullptr);
 
 }  // namespace clbvh

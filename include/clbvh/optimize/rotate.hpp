@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 #include "clbvh/optimize/budget.hpp"
 
 namespace clbvh {
@@ -21,7 +22,7 @@ struct RotateConfig {
 /// validate() accepts; leaves stay as they are, and the SAH cost never rises. In the end siblings are ordered along
 /// the axis on which their boxes are farthest apart, or else overlap least, the lower one first (section 5). Throws
 /// Error(invalid_input) where a field of `config` is out of its range, naming it; Error(out_of_memory).
-[[nodiscard]] Bvh rotate(Bvh tree, const RotateConfig& config = {}, OptimizeStats* stats = nullptr);
+[[nodiscard]] CLBVH_API Bvh rotate(Bvh tree, const RotateConfig& config = {}, OptimizeStats* stats = nullptr);
 
 /// Simulated annealing by tree rotations: while it is hot, exchanges that cost something are made too, at random.
 ///
@@ -39,6 +40,6 @@ struct AnnealConfig {
 
 /// As rotate(); returns the best tree that a pass ended with, so that the SAH cost never rises. The same seed gives the
 /// same tree on any number of threads: the random numbers belong to nodes and passes.
-[[nodiscard]] Bvh anneal(Bvh tree, const AnnealConfig& config = {}, OptimizeStats* stats = nullptr);
+[[nodiscard]] CLBVH_API Bvh anneal(Bvh tree, const AnnealConfig& config = {}, OptimizeStats* stats = nullptr);
 
 }  // namespace clbvh

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/export.h"
 #include "clbvh/optimize/budget.hpp"
 
 namespace clbvh {
@@ -22,6 +23,7 @@ struct TreeletConfig {
 /// Works in the calling task arena of oneTBB; the tree is the same on any number of threads. It takes every tree that
 /// validate() accepts; the SAH cost never rises. Throws Error(invalid_input) where a field of `config` is out of its
 /// range, naming it; Error(out_of_memory).
-[[nodiscard]] Bvh restructure_treelets(Bvh tree, const TreeletConfig& config = {}, OptimizeStats* stats = nullptr);
+[[nodiscard]] CLBVH_API Bvh restructure_treelets(Bvh tree, const TreeletConfig& config = {},
+                                                 OptimizeStats* stats = nullptr);
 
 }  // namespace clbvh

@@ -8,6 +8,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/core/ray.hpp"
+#include "clbvh/export.h"
 
 namespace clbvh {
 
@@ -25,7 +26,7 @@ struct TracerOptions {
 /// triangle: so the closest hit is the same bits with every tree, as long as its boxes contain whole triangles (with
 /// split ones, hits whose t is rounded by more than 2^-18 may go another way). Triangles have no back: both sides are
 /// hit. Where coordinates relative to the ray's origin exceed about 1e12, products overflow and triangles are missed.
-class Tracer {
+class CLBVH_API Tracer {
 public:
     /// Throws Error(invalid_input) where the tree is none over the mesh: nodes, ids or indices out of range, or loops.
     Tracer(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options = {});

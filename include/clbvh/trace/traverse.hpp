@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -20,15 +19,7 @@ concept LeafVisitor = requires(Leaf leaf, std::uint32_t first, std::uint32_t cou
     { leaf(first, count, t_max) } -> std::convertible_to<bool>;
 };
 
-/// False for a ray that hits nothing by definition: see Ray.
-[[nodiscard]] inline bool is_traceable(const Ray& ray) noexcept {
-    const Vec3& o = ray.origin;
-    const Vec3& d = ray.direction;
-    const bool is_finite = std::isfinite(o.x) && std::isfinite(o.y) && std::isfinite(o.z) && std::isfinite(d.x) &&
-                           std::isfinite(d.y) && std::isfinite(d.z);
-    return is_finite && (d.x != 0.0f || d.y != 0.0f || d.z != 0.0f) && ray.t_min <= ray.t_max;
-}
-
+inline namespace CLBVH_BOX_TESTS_NAMESPACE {
 namespace detail {
 
 /// Counts nothing, at no cost.
@@ -45,10 +36,10 @@ struct CountingRayCounts {
 
 /// The deferred node that is next, or null where none is left that the ray enters before t_max.
 template <typename Stack>
-const Node* next_node(Stack& stack, float t_max) noexcept {
+const Node* next_node(Stack& stack, const float& t_max) noexcept {
     while (!stack.empty()) {
         const DeferredNode deferred = stack.pop();
-        if (deferred.t <= t_max * kBoxSlack) return deferred.node;
+        if (reaches(t_max, deferred.t)) return deferred.node;
     }
     return nullptr;
 }
@@ -69,9 +60,10 @@ void traverse(const Node* nodes, const Ray& ray, Leaf& leaf, Counts counts, Stac
         } else {
             counts.add_inner_node();
             const Node* const children = &nodes[node->first];
-            const ChildEntries entries = test_boxes(children, t_max);
+            ChildEntries entries;
+            test_boxes(children, t_max, entries);
             if (entries.is_met[0] && entries.is_met[1]) {
-                const unsigned near = entries.t[1] < entries.t[0] ? 1 : 0;
+                const unsigned near = near_child(entries);
                 stack.push({&children[1 - near], entries.t[1 - near]});
                 node = &children[near];
                 continue;
@@ -120,4 +112,5 @@ void traverse(std::span<const Node> nodes, const Ray& ray, Leaf&& leaf, RayCount
     detail::traverse(nodes.data(), ray, leaf, detail::CountingRayCounts{counts}, stack);
 }
 
+}  // namespace CLBVH_BOX_TESTS_NAMESPACE
 }  // namespace clbvh

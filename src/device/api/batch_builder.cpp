@@ -113,7 +113,7 @@ void clear(std::vector<Bvh>& trees, std::span<const Mesh> meshes) {
 
 }  // namespace
 
-struct BatchBuilder::State {
+struct CLBVH_NO_EXPORT BatchBuilder::State {
     State(Context chosen_context, BuildOptions chosen_options)
         : context(std::move(chosen_context)),
           options(std::move(chosen_options)),

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "catalog/builder_rows.hpp"
+#include "catalog/device_optimizers.hpp"
 #include "catalog/optimizer_rows.hpp"
 #include "clbvh/core/error.hpp"
 #include "clbvh/core/mesh.hpp"
@@ -36,13 +37,13 @@ const BuilderRow& device_row(std::string_view id, const BuildOptions& given) {
     }
     check_preset(id, row, given);
     device::check_device_options("DeviceBuilder", options);
-    static_cast<void>(find_device_optimizers(options.optimizers));
+    check_device_optimizers(options.optimizers);
     return row;
 }
 
 }  // namespace
 
-struct DeviceBuilder::State {
+struct CLBVH_NO_EXPORT DeviceBuilder::State {
     State(std::string_view builder_id, Context chosen_context, const BuildOptions& chosen_options)
         : options(with_preset(builder_id, chosen_options)),
           row(device_row(builder_id, chosen_options)),

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "catalog/optimizer_rows.hpp"
+#include "catalog/device_optimizers.hpp"
 #include "clbvh/core/error.hpp"
 #include "core/memory_errors.hpp"
 #include "core/tree_walk.hpp"
@@ -48,7 +48,7 @@ std::vector<Node> without_strays(const Bvh& tree, const std::vector<bool>& in_us
 
 }  // namespace
 
-struct DeviceOptimizer::State {
+struct CLBVH_NO_EXPORT DeviceOptimizer::State {
     State(std::string_view ids, Context chosen_context, const DeviceOptimizerOptions& chosen_options)
         : context(std::move(chosen_context)),
           options(chosen_options),

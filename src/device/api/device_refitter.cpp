@@ -43,7 +43,7 @@ Block block_of(const CallerMemory& memory) {
 
 }  // namespace
 
-struct DeviceRefitter::State {
+struct CLBVH_NO_EXPORT DeviceRefitter::State {
     State(Context chosen_context, const DeviceRefitterOptions& chosen_options)
         : context(std::move(chosen_context)),
           options(chosen_options),

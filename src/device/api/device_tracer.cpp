@@ -141,7 +141,7 @@ void check_length(std::string_view name, std::size_t length, std::size_t rays) {
 
 }  // namespace
 
-struct DeviceTracer::State {
+struct CLBVH_NO_EXPORT DeviceTracer::State {
     State(Context chosen_context, const DeviceTracerOptions& chosen_options)
         : context(std::move(chosen_context)),
           options(chosen_options),

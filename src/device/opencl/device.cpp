@@ -124,16 +124,6 @@ DeviceInfo describe_device(const cl::Device& device) {
 
 }  // namespace device
 
-std::string_view to_string(DeviceType type) noexcept {
-    switch (type) {
-        case DeviceType::gpu: return "gpu";
-        case DeviceType::cpu: return "cpu";
-        case DeviceType::accelerator: return "accelerator";
-        case DeviceType::other: break;
-    }
-    return "other";
-}
-
 std::vector<DeviceInfo> list_devices() {
     std::vector<DeviceInfo> devices;
     for (const cl::Platform& platform : list_platforms()) {

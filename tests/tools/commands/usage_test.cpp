@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <clbvh/version.h>
 #include <catch2/catch.hpp>
 #include <sstream>
 #include <string>
@@ -57,7 +58,7 @@ TEST_CASE("help names every command, and of each command every option") {
 TEST_CASE("the version is the project's") {
     const Outcome outcome = run_tool({"--version"});
     CHECK(outcome.exit_code == 0);
-    CHECK(outcome.out == "clbvh " CLBVH_VERSION "\n");
+    CHECK(outcome.out == "clbvh " CLBVH_VERSION_STRING "\n");
 }
 
 TEST_CASE("a wrong command line is a usage error") {

@@ -1,3 +1,4 @@
+#include <clbvh/version.h>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cctype>
@@ -57,7 +58,7 @@ TEST_CASE("this machine is described as it is") {
     CHECK(*machine.logical_cores > 0);
     REQUIRE(machine.memory_bytes);
     CHECK(*machine.memory_bytes > (std::uint64_t{1} << 28));
-    CHECK(machine.version == CLBVH_VERSION);
+    CHECK(machine.version == CLBVH_VERSION_STRING);
     CHECK_THAT(machine.compiler, Contains("gcc ") || Contains("clang "));
     const auto is_level_in_order = [](const Cache& a, const Cache& b) { return a.level < b.level; };
     CHECK(std::is_sorted(machine.caches.begin(), machine.caches.end(), is_level_in_order));
@@ -76,12 +77,12 @@ TEST_CASE("build and bench tell which machine it was") {
         const ordered_json document = ordered_json::parse(outcome.out);
         const ordered_json& machine = document["machine"];
         CHECK(machine["logical_cores"].get<unsigned>() == describe_machine().logical_cores);
-        CHECK(machine["version"] == CLBVH_VERSION);
+        CHECK(machine["version"] == CLBVH_VERSION_STRING);
         CHECK(machine["opencl"]["device"] == document["device"]["name"]);
         CHECK(machine["opencl"]["driver_version"] == document["device"]["driver_version"]);
     }
     const Outcome text = run_tool({"bench", "gen:soup:100", "--builders", "median", "--runs", "1"});
     const Machine machine = describe_machine();
     CHECK_THAT(text.out.substr(0, text.out.find('\n')),
-               Contains(machine.cpu.value_or("unknown CPU")) && Contains("clbvh " CLBVH_VERSION));
+               Contains(machine.cpu.value_or("unknown CPU")) && Contains("clbvh " CLBVH_VERSION_STRING));
 }

@@ -1,0 +1,7 @@
+#include "clbvh/core/error.hpp"
+
+namespace clbvh {
+
+Error::~Error() = default;
+
+}  // namespace clbvh

@@ -1,0 +1,3 @@
+int own(void) {
+    return 0;
+}
