@@ -113,9 +113,23 @@ std::vector<Column<BuildResult>> scene_columns(const Comparison& comparison) {
     return columns;
 }
 
-/// "SCENE: N triangles; lane shape on DEVICE; host builders on N threads".
+/// What the builders' leaves have in common: SAH compares trees only where they are made by one rule. Other libraries'
+/// builders, which have no options of ours, are given the same.
+std::string leaf_rule(std::span<const BuildResult> results) {
+    std::uint32_t common = 0;
+    for (const BuildResult& result : results) {
+        if (!result.options) continue;
+        const std::uint32_t size = result.options->max_leaf_size;
+        if (size == 0 || (common != 0 && size != common)) return "leaves as each builder makes them";
+        common = size;
+    }
+    return fmt::format("leaves of up to {} primitives", common);
+}
+
+/// "SCENE: N triangles; leaves of up to N primitives; lane shape on DEVICE; host builders on N threads".
 std::string scene_title(const std::optional<Context>& context, std::span<const BuildResult> results) {
-    std::string title = fmt::format("{}: {} triangles", results.front().scene, results.front().triangles);
+    std::string title =
+        fmt::format("{}: {} triangles; {}", results.front().scene, results.front().triangles, leaf_rule(results));
     const auto first = [&](BuilderKind kind) { return std::ranges::find(results, kind, &BuildResult::kind); };
     if (const auto result = first(BuilderKind::device); result != results.end() && context)
         title += fmt::format("; {} shape on {}", to_string(result->shape), context->device().name);

@@ -290,6 +290,22 @@ TEST_CASE("a benchmark that fails keeps what it has measured") {
     CHECK_THAT(document["incomplete"].get<std::string>(), Contains(broken));
 }
 
+TEST_CASE("the title of bench's table says what leaves have in common") {
+    const auto title = [](Words more) {
+        Words arguments{"bench", "gen:soup:100", "--runs", "1", "--no-validate"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = run_tool(arguments, kNoDriver);
+        REQUIRE(outcome.exit_code == 0);
+        return lines_of(outcome.out).at(kHeader - 1);
+    };
+    const Catch::StdString::ContainsMatcher own = Contains("100 triangles; leaves as each builder makes them; ");
+    CHECK_THAT(title({"--builders", "median,binned-sah"}), own);
+    CHECK_THAT(title({"--builders", "median,binned-sah", "--max-leaf", "8"}),
+               Contains("100 triangles; leaves of up to 8 primitives; "));
+    // A preset of its own leaf size, and a builder of another.
+    CHECK_THAT(title({"--builders", "binned-sah,high"}), own);
+}
+
 TEST_CASE("one thread is no plural") {
     const Outcome outcome =
         run_tool({"bench", "gen:soup:100", "--builders", "median", "--runs", "1", "--threads", "1"}, kNoDriver);
