@@ -33,7 +33,7 @@ std::optional<std::uint64_t> memory_bytes() {
     return *pages * *page;
 }
 
-/// What the kernel says of a cache, in `folder`: its level, its type and its size as in "48K".
+/// Description of a cache by the kernel, in `folder`: its level, its type and its size as in "48K".
 std::optional<Cache> read_data_cache(const std::filesystem::path& folder) {
     Cache cache;
     std::string type;

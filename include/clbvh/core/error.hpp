@@ -8,7 +8,7 @@
 
 namespace clbvh {
 
-/// What kind of failure an Error reports. The C API returns the same values.
+/// Kinds of failure that an Error reports. The C API returns the same values.
 enum class ErrorCode : int {
     invalid_input = 1,   ///< The caller's data or options are out of their documented range.
     unsupported = 2,     ///< The request is valid, but this device or build of the library cannot serve it.

@@ -18,7 +18,7 @@ class Session;
 /// Whether compiled programs are kept on disk, so that the next process need not compile them: in CLBVH_CACHE_DIR, else
 /// in clbvh below XDG_CACHE_HOME or ~/.cache, at most 64 MiB. A damaged or foreign file there is never used.
 enum class ProgramCaching : std::uint8_t {
-    automatic,  ///< What the variable CLBVH_CACHE says (auto, on, off); else on where the driver keeps none of its own.
+    automatic,  ///< As the variable CLBVH_CACHE says (auto, on, off); else on where the driver keeps none of its own.
     on,         ///< Always.
     off,        ///< Never: nothing is read or written.
 };
@@ -35,7 +35,7 @@ class CLBVH_API Context {
 public:
     /// Opens the device that pick_device(selector) picks, with a context and an in-order profiling queue of its own.
     /// Throws what pick_device throws; Error(invalid_input) where CLBVH_CACHE is none of auto, on, off; and, unless
-    /// options.use_profile is off, Error(invalid_input or io) where CLBVH_PROFILE names a file that is no profile.
+    /// options.use_profile is off, Error(invalid_input or io) where CLBVH_PROFILE names a file that is not a profile.
     [[nodiscard]] static Context open(std::string_view selector = {}, const ContextOptions& options = {});
 
     /// Adopts the caller's queue, in order or out of order, and retains it, its context and its device. Stage device
@@ -52,7 +52,7 @@ public:
     /// True where the lane shape may be the default here: a CPU device that passes a small self-test (run once).
     [[nodiscard]] bool prefers_lane_shape() const;
 
-    /// What the device builders share; private to the library.
+    /// State that the device builders share; private to the library.
     [[nodiscard]] device::Session& session() const noexcept { return *session_; }
 
 private:

@@ -8,7 +8,7 @@
 
 namespace clbvh {
 
-/// What is known of one tree: its metrics, and what its rays were measured to cost. Any unit will do for the latter.
+/// One tree's metrics, and the measured cost of its rays. Any unit will do for the latter.
 struct TreeCost {
     double sah = 0.0;       ///< sah_cost()
     double epo = 0.0;       ///< end_point_overlap()
@@ -40,7 +40,7 @@ struct CostFit {
 /// Throws Error(invalid_input) where the spans differ in length or a value is not finite.
 [[nodiscard]] CLBVH_EVAL_API double correlation(std::span<const double> x, std::span<const double> y);
 
-/// What the weights predict for a tree, up to a straight line.
+/// The cost that the weights predict for a tree, up to a straight line.
 [[nodiscard]] CLBVH_EVAL_API double predicted_cost(const TreeCost& tree, const CostWeights& weights) noexcept;
 
 /// The correlation of prediction and measurement over trees of one scene. Throws as correlation() does.

@@ -12,11 +12,11 @@ namespace clbvh {
 /// as cameras and rays, turns with it.
 class CLBVH_EVAL_API Rotation {
 public:
-    /// Counterclockwise by `degrees` for somebody whom the axis points at. Throws Error(invalid_input) where the axis
-    /// is zero or has a coordinate that is not finite, and where `degrees` is not finite.
+    /// Counterclockwise by `degrees` seen from where the axis points to. Throws Error(invalid_input) where the axis is
+    /// zero or has a coordinate that is not finite, and where `degrees` is not finite.
     Rotation(const Vec3& axis, double degrees);
 
-    /// Where a point or a direction comes to lie. One with a coordinate that is not finite stays as it is.
+    /// The turned point or direction. One with a coordinate that is not finite stays as it is.
     [[nodiscard]] Vec3 operator()(const Vec3& v) const noexcept;
 
 private:

@@ -8,7 +8,7 @@
 
 namespace clbvh {
 
-/// What a tree looks like.
+/// Statistics of a tree's shape.
 struct TreeStatistics {
     std::uint64_t nodes = 0;       ///< Nodes reached from the root.
     std::uint64_t leaves = 0;      ///< Leaves among them.

@@ -45,7 +45,7 @@ inline namespace CLBVH_BOX_TESTS_NAMESPACE {
 /// Whether a ray that ends at t_max may still meet what it enters at t.
 [[nodiscard]] CLBVH_BOX_TESTS_API bool reaches(const float& t_max, const float& t) noexcept;
 
-/// A ray against one box. Directions of zero, also of negative zero, work: their slabs hold the ray for ever or never,
+/// A ray against one box. Directions of zero, also of negative zero, work: their slabs contain the ray always or never,
 /// and where 0 * infinity makes a NaN, on a face of the box, the slab is left out.
 class CLBVH_BOX_TESTS_API RaySlabs {
 public:

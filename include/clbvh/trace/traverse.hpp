@@ -12,8 +12,8 @@
 
 namespace clbvh {
 
-/// What traverse() calls for a leaf: the primitives are primitive_ids[first .. first + count), t_max is where the ray
-/// ends now. It may lower t_max, never raise it; false ends the traversal.
+/// The function that traverse() calls for a leaf: the primitives are primitive_ids[first .. first + count), t_max is
+/// where the ray ends now. It may lower t_max, never raise it; false ends the traversal.
 template <typename Leaf>
 concept LeafVisitor = requires(Leaf leaf, std::uint32_t first, std::uint32_t count, float& t_max) {
     { leaf(first, count, t_max) } -> std::convertible_to<bool>;
@@ -80,8 +80,8 @@ void traverse(const Node* nodes, const Ray& ray, Leaf& leaf, Counts counts, Stac
 
 }  // namespace detail
 
-/// Takes a ray through a tree over primitives of any kind and calls `leaf` for every leaf whose box it meets, near ones
-/// first: of two children the one that the ray enters first, then the other, unless `leaf` has lowered t_max below
+/// Traces a ray through a tree over primitives of any kind and calls `leaf` for every leaf whose box it meets, near
+/// ones first: of two children the one that the ray enters first, then the other, unless `leaf` has lowered t_max below
 /// where the ray enters it. A closest hit lowers t_max to its t; whoever wants all hits leaves t_max alone; whoever
 /// wants to know only whether there is one returns false.
 ///
