@@ -8,13 +8,10 @@
 
 namespace clbvh::optimizer {
 
-// Functions called in the innermost loops are declared inline, so that the compiler may do that in a shared library,
-// too.
-
 /// Beside `node`, which has that area, the subtree would gain so much. The places below go onto the stack, of `size`
 /// entries, unless they cannot be better. Returns the stack's new size.
-inline std::size_t ReinsertionSearch::consider(float gain, float area, std::uint32_t node, const Subtree& subtree,
-                                               Reinsertion& best, std::size_t size) {
+std::size_t ReinsertionSearch::consider(float gain, float area, std::uint32_t node, const Subtree& subtree,
+                                        Reinsertion& best, std::size_t size) {
     if (gain > best.gain) best = {best.from, node, gain};
     const float saved_below = gain + area;
     if (saved_below - subtree.area <= best.gain || tree_[node].is_leaf()) return size;
@@ -23,8 +20,8 @@ inline std::size_t ReinsertionSearch::consider(float gain, float area, std::uint
     return size + 1;
 }
 
-inline std::size_t ReinsertionSearch::visit_pair(const Place& place, const Subtree& subtree, Reinsertion& best,
-                                                 std::size_t size) {
+std::size_t ReinsertionSearch::visit_pair(const Place& place, const Subtree& subtree, Reinsertion& best,
+                                          std::size_t size) {
     const Box4 left = tree_.box(place.pair);
     const Box4 right = tree_.box(place.pair + 1);
     Box4 with_left = left;
@@ -36,7 +33,7 @@ inline std::size_t ReinsertionSearch::visit_pair(const Place& place, const Subtr
     return consider(place.saved - areas[3], areas[1], place.pair + 1, subtree, best, size);
 }
 
-inline void ReinsertionSearch::look_below(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best) {
+void ReinsertionSearch::look_below(float saved, std::uint32_t node, const Subtree& subtree, Reinsertion& best) {
     const Box4 there = tree_.box(node);
     Box4 both = there;
     both.merge(subtree.box);
