@@ -46,6 +46,17 @@ fs::path output_path(const TuneArguments& arguments, const DeviceInfo& device) {
     return path;
 }
 
+/// What the profile's file says.
+ordered_json profile_json(const Profile& profile) {
+    ordered_json json{
+        {"platform", profile.platform}, {"device", profile.device}, {"driver_version", profile.driver_version}};
+    if (profile.sort_shape != Shape::automatic) json["sort_shape"] = to_string(profile.sort_shape);
+    if (profile.chunk_size != 0) json["chunk_size"] = profile.chunk_size;
+    if (profile.work_group_size != 0) json["work_group_size"] = profile.work_group_size;
+    if (profile.single_group_threshold != 0) json["single_group_threshold"] = profile.single_group_threshold;
+    return json;
+}
+
 ordered_json trials_json(const TunedKnob& tuned, const TuneSettings& settings) {
     ordered_json trials = ordered_json::array();
     for (const Trial& trial : tuned.trials) {
@@ -90,8 +101,7 @@ int tune(const TuneArguments& arguments) {
         fmt::print("{}", tuning_report(tuned, arguments.settings));
         std::fflush(stdout);
     }
-    const std::string text = profile_text(profile);
-    write_file(path, text);
+    write_file(path, profile_text(profile));
     if (arguments.json.leaves_standard_output()) {
         fmt::print("wrote {}; {}\n", path.string(), where_it_is_used(arguments, path));
     }
@@ -99,7 +109,7 @@ int tune(const TuneArguments& arguments) {
                           {"rotate_degrees", arguments.settings.loading.rotate_degrees},
                           {"runs", arguments.settings.runs},
                           {"tried", std::move(tried)},
-                          {"profile", ordered_json::parse(text)},
+                          {"profile", profile_json(profile)},
                           {"file", path.string()}});
     return kExitSuccess;
 }

@@ -42,7 +42,8 @@ struct FoundProfile {
 /// profile; elsewhere such a file is not used.
 [[nodiscard]] CLBVH_API FoundProfile find_profile(const DeviceInfo& device);
 
-/// A profile as JSON, for a file.
+/// A profile as text, for a file: a line NAME = VALUE for each field that says something. Empty lines and those that
+/// begin with # say nothing.
 [[nodiscard]] CLBVH_API std::string profile_text(const Profile& profile);
 
 /// The profile in such a text. Throws Error(invalid_input) naming what is wrong first, with `name` before it.

@@ -1,10 +1,12 @@
 #include "clbvh/device/profile.hpp"
 
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
+#include <map>
 #include <system_error>
 
 #include "clbvh/core/error.hpp"
@@ -15,54 +17,72 @@ namespace clbvh {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
 
 constexpr const char* kFormat = "clbvh-profile";
-constexpr int kVersion = 1;
+constexpr const char* kVersion = "1";
 /// Far more than a profile has: not every file that a variable names is one.
 constexpr std::uintmax_t kMostBytes = 1 << 16;
 
-/// The members of a profile's JSON, read one by one.
+std::string_view without_blanks(std::string_view text) {
+    constexpr std::string_view kBlanks = " \t\r";
+    const std::size_t begin = text.find_first_not_of(kBlanks);
+    return begin == std::string_view::npos ? std::string_view{}
+                                           : text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+/// The lines `NAME = VALUE` of a profile; empty ones and those that begin with # say nothing.
 class ProfileReader {
 public:
-    explicit ProfileReader(const ordered_json& json) : json_(json) {
-        if (!json.is_object()) fail("it is not an object");
-        if (text("format") != kFormat) fail("its format is not " + std::string(kFormat));
-        if (number_of("version", require("version")) != kVersion) fail("its version is not 1");
+    explicit ProfileReader(std::string_view text) {
+        for (std::size_t number = 1; !text.empty(); ++number) {
+            const std::size_t length = std::min(text.find('\n'), text.size());
+            read_line(without_blanks(text.substr(0, length)), number);
+            text.remove_prefix(std::min(length + 1, text.size()));
+        }
+        if (this->text("format") != kFormat) fail("its format is not " + std::string(kFormat));
+        if (this->text("version") != kVersion) fail("its version is not " + std::string(kVersion));
     }
 
-    [[nodiscard]] std::string text(const char* name) const {
-        const ordered_json& value = require(name);
-        if (!value.is_string()) fail(std::string(name) + " is not a text");
-        return value.get<std::string>();
+    [[nodiscard]] const std::string& text(const std::string& name) const {
+        const auto value = values_.find(name);
+        if (value == values_.end()) fail("it has no " + name);
+        return value->second;
     }
     /// 0 where it is not there.
-    [[nodiscard]] std::uint32_t number(const char* name) const {
-        return json_.contains(name) ? number_of(name, json_.at(name)) : 0;
+    [[nodiscard]] std::uint32_t number(const std::string& name) const {
+        const auto value = values_.find(name);
+        if (value == values_.end()) return 0;
+        std::uint32_t number = 0;
+        const char* const end = value->second.data() + value->second.size();
+        const auto [parsed_to, error] = std::from_chars(value->second.data(), end, number);
+        if (error != std::errc() || parsed_to != end) fail(name + " is not a whole number");
+        return number;
     }
     /// Automatic where it is not there.
-    [[nodiscard]] Shape shape(const char* name) const {
-        if (!json_.contains(name)) return Shape::automatic;
-        const std::optional<Shape> shape = shape_from(text(name));
-        if (!shape) fail(std::string(name) + " is not auto, group or lane");
+    [[nodiscard]] Shape shape(const std::string& name) const {
+        const auto value = values_.find(name);
+        if (value == values_.end()) return Shape::automatic;
+        const std::optional<Shape> shape = shape_from(value->second);
+        if (!shape) fail(name + " is not auto, group or lane");
         return *shape;
     }
 
 private:
     [[noreturn]] static void fail(const std::string& what) { throw Error(ErrorCode::invalid_input, what); }
 
-    [[nodiscard]] const ordered_json& require(const char* name) const {
-        if (!json_.contains(name)) fail("it has no " + std::string(name));
-        return json_.at(name);
-    }
-    [[nodiscard]] static std::uint32_t number_of(const char* name, const ordered_json& value) {
-        if (!value.is_number_unsigned() || value.get<std::uint64_t>() > UINT32_MAX) {
-            fail(std::string(name) + " is not a whole number");
+    void read_line(std::string_view line, std::size_t number) {
+        if (line.empty() || line.starts_with('#')) return;
+        const std::size_t equals = line.find('=');
+        const std::string_view name = without_blanks(line.substr(0, equals));
+        if (equals == std::string_view::npos || name.empty()) {
+            fail("line " + std::to_string(number) + " is not NAME = VALUE");
         }
-        return value.get<std::uint32_t>();
+        if (!values_.emplace(name, without_blanks(line.substr(equals + 1))).second) {
+            fail(std::string(name) + " is there twice");
+        }
     }
 
-    const ordered_json& json_;
+    std::map<std::string, std::string> values_;
 };
 
 /// In range as the options are.
@@ -75,9 +95,7 @@ void check_profile(const Profile& profile) {
 }
 
 Profile read_profile(std::string_view text) {
-    const ordered_json json = ordered_json::parse(text, nullptr, false);
-    if (json.is_discarded()) throw Error(ErrorCode::invalid_input, "it is not JSON");
-    const ProfileReader reader(json);
+    const ProfileReader reader(text);
     Profile profile;
     profile.platform = reader.text("platform");
     profile.device = reader.text("device");
@@ -128,7 +146,7 @@ fs::path profile_path(const DeviceInfo& device) {
     const fs::path folder = device::user_folder("XDG_CONFIG_HOME", ".config");
     if (folder.empty()) return {};
     const std::uint64_t id = fnv1a(device.platform + '\n' + device.name + '\n' + device.driver_version);
-    return folder / ("profile-" + hexadecimal(id) + ".json");
+    return folder / ("profile-" + hexadecimal(id) + ".txt");
 }
 
 FoundProfile find_profile(const DeviceInfo& device) {
@@ -151,16 +169,23 @@ FoundProfile find_profile(const DeviceInfo& device) {
 }
 
 std::string profile_text(const Profile& profile) {
-    ordered_json json{{"format", kFormat},
-                      {"version", kVersion},
-                      {"platform", profile.platform},
-                      {"device", profile.device},
-                      {"driver_version", profile.driver_version}};
-    if (profile.sort_shape != Shape::automatic) json["sort_shape"] = to_string(profile.sort_shape);
-    if (profile.chunk_size != 0) json["chunk_size"] = profile.chunk_size;
-    if (profile.work_group_size != 0) json["work_group_size"] = profile.work_group_size;
-    if (profile.single_group_threshold != 0) json["single_group_threshold"] = profile.single_group_threshold;
-    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
+    std::string text;
+    const auto add = [&](const char* name, std::string value) {
+        std::ranges::replace(value, '\n', ' ');
+        text += std::string(name) + " = " + value + '\n';
+    };
+    add("format", kFormat);
+    add("version", kVersion);
+    add("platform", profile.platform);
+    add("device", profile.device);
+    add("driver_version", profile.driver_version);
+    if (profile.sort_shape != Shape::automatic) add("sort_shape", std::string(to_string(profile.sort_shape)));
+    for (const auto& [name, value] :
+         {std::pair{"chunk_size", profile.chunk_size}, std::pair{"work_group_size", profile.work_group_size},
+          std::pair{"single_group_threshold", profile.single_group_threshold}}) {
+        if (value != 0) add(name, std::to_string(value));
+    }
+    return text;
 }
 
 Profile parse_profile(std::string_view text, std::string_view name) {

@@ -82,6 +82,8 @@ TEST_CASE("profile: what is written is read, and what has nothing to say is left
     CHECK(read.chunk_size == profile.chunk_size);
     CHECK(read.work_group_size == profile.work_group_size);
     CHECK(read.single_group_threshold == profile.single_group_threshold);
+    const Profile commented = parse_profile("# mine\n\n" + profile_text(profile) + "  # chunk_size = 64\r\n", "it");
+    CHECK(commented.chunk_size == profile.chunk_size);
     const Profile silent = parse_profile(profile_text({"p", "d", "v"}), "it");
     CHECK(silent.sort_shape == Shape::automatic);
     CHECK(silent.chunk_size + silent.work_group_size + silent.single_group_threshold == 0);
@@ -93,15 +95,16 @@ TEST_CASE("profile: a text that is no profile is an error that names the file an
         expect_error(ErrorCode::invalid_input, {"some file is no profile", fault},
                      [&] { (void)parse_profile(text, "some file"); });
     };
-    expect_refused("", "not JSON");
-    expect_refused(profile_text(real_profile()).substr(0, 80), "not JSON");
-    expect_refused("[1]", "not an object");
-    expect_refused("{}", "no format");
+    expect_refused("", "no format");
+    const std::string whole = profile_text(real_profile());
+    expect_refused(whole.substr(0, whole.find("driver_version")), "no driver_version");
+    expect_refused("\n{}\n", "line 2 is not NAME = VALUE");
+    expect_refused("= 7", "line 1 is not NAME = VALUE");
+    expect_refused(whole + "chunk_size = 64\n", "chunk_size is there twice");
     expect_refused(changed("clbvh-profile", "other"), "format");
-    expect_refused(changed("\"version\": 1", "\"version\": 2"), "version");
-    expect_refused(changed("\"driver_version\"", "\"driver\""), "no driver_version");
-    expect_refused(changed("\"group\"", "\"square\""), "sort_shape");
-    expect_refused(changed("\"group\"", "7"), "sort_shape is not a text");
+    expect_refused(changed("version = 1", "version = 2"), "version");
+    expect_refused(changed("driver_version", "driver"), "no driver_version");
+    expect_refused(changed("sort_shape = group", "sort_shape = square"), "sort_shape");
     expect_refused(changed("192", "-192"), "chunk_size is not a whole number");
     expect_refused(changed("192", "1e300"), "chunk_size is not a whole number");
     expect_refused(changed("192", "4294967488"), "chunk_size is not a whole number");
@@ -130,7 +133,7 @@ TEST_CASE("profile: the device's own file is used, and ignored with a reason whe
         CHECK_THAT(find_profile(device).reason, Catch::Contains(reason));
         CHECK_NOTHROW(Context::open());
     };
-    expect_ignored("{", "not JSON");
+    expect_ignored("{", "line 1");
     expect_ignored(std::string(100000, ' '), "no profile");
     expect_ignored(changed(device.name, "another device"), "another device");
     expect_ignored(changed(device.platform, "another platform"), "another platform");
@@ -150,7 +153,7 @@ TEST_CASE("profile: CLBVH_PROFILE names another file, or none") {
         CHECK_FALSE(find_profile(device).profile.has_value());
         CHECK_THAT(find_profile(device).reason, Catch::Contains("driver version 0.1"));
         (void)folder.write_elsewhere("nonsense");
-        expect_error(ErrorCode::invalid_input, {"CLBVH_PROFILE", mine, "not JSON"}, [] { (void)Context::open(); });
+        expect_error(ErrorCode::invalid_input, {"CLBVH_PROFILE", mine, "NAME = VALUE"}, [] { (void)Context::open(); });
         CHECK_NOTHROW(Context::open({}, {ProgramCaching::automatic, false}));
     }
     {

@@ -61,7 +61,7 @@ TEST_CASE("every command that takes scenes turns them by --rotate") {
     sizes[1] = "gen:city:10000";
     CHECK(json_of(sizes, {"--rotate", "-45.5"})["results"][0]["sah"] > json_of(sizes, {})["results"][0]["sah"]);
     const ScratchFolder folder;
-    const Words tune{"tune", "gen:soup:300", "--runs", "1", "-o", folder.path("profile.json")};
+    const Words tune{"tune", "gen:soup:300", "--runs", "1", "-o", folder.path("profile.txt")};
     CHECK(json_of(tune, {"--rotate", "45"})["rotate_degrees"] == 45.0);
 }
 

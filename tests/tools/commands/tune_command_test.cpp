@@ -63,7 +63,10 @@ TEST_CASE("tune writes the device's profile, which devices and build then show")
     const std::string file = document["file"];
     CHECK_THAT(file, Contains(folder.path("config")));
     CHECK(before["file"] == file);
-    CHECK(document["profile"] == ordered_json::parse(read_text(file)));
+    for (const auto& [name, value] : document["profile"].items()) {
+        const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+        CHECK_THAT(read_text(file), Contains("\n" + name + " = " + text + "\n"));
+    }
     CHECK(document["profile"]["device"] == document["device"]["name"]);
     CHECK(document["runs"] == 1);
     check_tried(document["tried"], document["profile"]);
@@ -76,7 +79,7 @@ TEST_CASE("tune writes the device's profile, which devices and build then show")
 
 TEST_CASE("tune -o writes another file, which CLBVH_PROFILE names") {
     const ScratchFolder folder;
-    const std::string file = folder.path("mine.json");
+    const std::string file = folder.path("mine.txt");
     const Outcome outcome = run_tool(with(kSmall, {"-o", file}), {"CLBVH_PROFILE=off"});
     REQUIRE(outcome.exit_code == 0);
     CHECK_THAT(outcome.out, Contains("single_group_threshold") && Contains("gen:city:700 ms") && Contains("chosen") &&
@@ -100,7 +103,7 @@ TEST_CASE("tune refuses what cannot be before it measures") {
     const Outcome scene = run_tool({"tune", "gen:nothing"});
     CHECK(scene.exit_code == 1);
     CHECK_THAT(scene.err, Contains("gen:nothing"));
-    const Outcome file = run_tool(with(kSmall, {"-o", missing_path("folder/profile.json")}));
+    const Outcome file = run_tool(with(kSmall, {"-o", missing_path("folder/profile.txt")}));
     CHECK(file.exit_code == 1);
     CHECK_THAT(file.err, Contains(missing_path("folder")));
     const Outcome homeless = run_tool(kSmall, {"HOME=", "XDG_CONFIG_HOME="});
