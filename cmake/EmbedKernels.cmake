@@ -3,7 +3,8 @@
 function(clbvh_embed_kernels output)
   add_custom_command(
     OUTPUT ${output}
-    COMMAND ${CMAKE_COMMAND} "-DOUTPUT=${output}" "-DFILES=${ARGN}" -P ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake
+    COMMAND ${CMAKE_COMMAND} "-DOUTPUT=${output}" "-DROOT=${PROJECT_SOURCE_DIR}" "-DFILES=${ARGN}"
+      -P ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake
     DEPENDS ${ARGN} ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake
     COMMENT "Embedding kernels"
     VERBATIM)

@@ -39,7 +39,7 @@ function(clbvh_objects name)
   if(NOT BUILD_SHARED_LIBS AND NOT clbvh_builds_both_kinds)
     target_compile_definitions(${name}_objects PRIVATE CLBVH_STATIC)
   endif()
-  target_include_directories(${name}_objects PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_include_directories(${name}_objects PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR})
   # Infinities and NaNs are part of the algorithms, whatever the flags of a project around this one say.
   target_compile_options(${name}_objects PRIVATE -fno-fast-math)
   target_link_libraries(${name}_objects PUBLIC clbvh_headers PRIVATE clbvh_flags)

@@ -68,7 +68,7 @@ void run() {
     Buffers buffers(context);
     const clbvh::DeviceBuildSizes sizes = builder.sizes(kBoxes);
     const clbvh::DeviceResult result{buffers.make(sizes.nodes), buffers.make(sizes.primitive_ids), {}};
-    const clbvh::DeviceNodes tree = clbvh::DeviceNodes::of(result, kBoxes);
+    const clbvh::DeviceBvh tree = clbvh::DeviceBvh::of(result, kBoxes);
     const clbvh::DeviceSpan scratch = buffers.make(sizes.scratch);
     const clbvh::DeviceSpan optimizer_scratch = buffers.make(optimizer.scratch_bytes(tree.node_count));
     const std::vector<clbvh::Aabb> boxes = scattered_boxes();

@@ -70,12 +70,11 @@ void run() {
     const clbvh::DeviceBuildSizes sizes = builder.sizes(kBoxes);
     const clbvh::DeviceResult result{buffers.make(sizes.nodes), buffers.make(sizes.primitive_ids), {}};
     const clbvh::DeviceSpan build_scratch = buffers.make(sizes.scratch);
-    const clbvh::DeviceNodes tree = clbvh::DeviceNodes::of(result, kBoxes);
+    const clbvh::DeviceBvh tree = clbvh::DeviceBvh::of(result, kBoxes);
     const clbvh::DeviceRefitSizes refit_sizes = refitter.sizes(tree.node_count, kBoxes);
     const clbvh::DeviceBoxes input{kBoxes, buffers.make(kBoxes * sizeof(clbvh::Aabb))};
     const clbvh::DeviceSpan sah = buffers.make(2 * sizeof(float));
-    const clbvh::DeviceRefit refit{
-        input, result.primitive_ids, kBoxes, buffers.make(refit_sizes.order), buffers.make(refit_sizes.scratch), sah};
+    const clbvh::DeviceRefit refit{input, buffers.make(refit_sizes.order), buffers.make(refit_sizes.scratch), sah};
     const auto build = [&] {
         builder.enqueue(queue, input, build_scratch, result);
         refitter.enqueue_order(queue, tree, refit.order);

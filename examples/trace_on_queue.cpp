@@ -71,7 +71,7 @@ public:
         scene_.bvh = clbvh::DeviceBvh::of(tree_, count);
 
         const clbvh::DeviceTraceSizes trace_sizes = tracer_.sizes(scene_.bvh);
-        scene_.copy = make_buffer(trace_sizes.copy);
+        scene_.layout = make_buffer(trace_sizes.layout);
         rays_.count = kWidth * kHeight;
         rays_.rays = make_buffer(rays_.count * sizeof(clbvh::Ray));
         rays_.results = make_buffer(rays_.count * sizeof(clbvh::Hit));
@@ -86,11 +86,11 @@ public:
             clReleaseMemObject(buffer);
     }
 
-    // Moves the surface; enqueues its tree, a copy of its triangles in the tree's order, and the rays.
+    // Moves the surface; enqueues its tree, a traversal layout of both, and the rays.
     void enqueue(float time) {
         write(scene_.triangles.vertices, surface(time).vertices);
         builder_.enqueue(queue_, scene_.triangles, build_scratch_, tree_);
-        tracer_.enqueue_copy(queue_, scene_);
+        tracer_.enqueue_layout(queue_, scene_);
         tracer_.enqueue_closest(queue_, scene_, rays_);
     }
 

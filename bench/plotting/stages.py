@@ -3,7 +3,7 @@ from .canvas import panels_of
 from .data import BadInput, median_ms, of_device, of_scenes, per_million, without_sweeps
 
 STAGE_COLOURS = {"presplit": "#c7e9c0", "bounds": "#9ecae1", "morton": "#6baed6", "sort": "#2171b5",
-                 "cluster": "#fd8d3c", "layout": "#756bb1", "download": "#bdbdbd", "collapse": "#74c476"}
+                 "cluster": "#fd8d3c", "layout": "#756bb1", "root": "#756bb1", "download": "#bdbdbd", "collapse": "#74c476"}
 OTHER_COLOUR = "#e6e6e6"
 LEAST_SHARE = 0.01  # of a build's time
 

@@ -44,4 +44,7 @@
 #include "clbvh/device/device_optimizer.hpp"
 #include "clbvh/device/device_refitter.hpp"
 #include "clbvh/device/device_tracer.hpp"
+#include "clbvh/device/memory.hpp"
+#include "clbvh/device/optimizer_options.hpp"
+#include "clbvh/device/tracer_options.hpp"
 #endif

@@ -114,7 +114,7 @@ static inline uint leaves_of_tree(Input input, uint form, uint count, BatchPart 
                      global float* inner, global uint* references, global uint* other, global float* bounds) {         \
         DECLARE_CHUNK(chunk);                                                                                          \
         DECLARE_SEARCH(search);                                                                                        \
-        DECLARE_MERGE(survivor, merging);                                                                              \
+        DECLARE_MERGE(survivor, merging, chunk);                                                                       \
         local SceneBounds scratch[WORK_GROUP_SIZE];                                                                    \
         local uint scan[WORK_GROUP_SIZE];                                                                              \
         const size_t tree = get_group_id(0);                                                                           \

@@ -7,7 +7,7 @@
 //
 // The elements are cut into pieces of piece_length, one work group each, which count [RADIX * pieces] digits.
 // count_digits    in elements  out counts
-// scan_counts     group shape only: counts become the first position of each (digit, piece); one group
+// scan_digits     group shape only: counts become the first position of each (digit, piece); one group
 // scatter         in elements, counts  out elements
 // scatter_ids     packed: the same, and ids [n] = the bits of index_mask
 // scatter_rekey   pairs: as scatter, and the key becomes next_keys[value]
@@ -39,11 +39,40 @@ KERNEL void count_digits(global const ulong* elements, uint element_count, uint 
     store_counters(counters, counts);
 }
 
+// What becomes of an element where it belongs; each of the four kernels is compiled for its own.
+#define SCATTER_PLAIN 0
+#define SCATTER_IDS 1
+#define SCATTER_REKEY 2
+#define SCATTER_LAST 3
+#define NEEDS_HALVES(kind) ((kind) == SCATTER_REKEY || (kind) == SCATTER_LAST)
+
+#define VALUE(element) ((uint)((element) >> 32))
+
+// Where elements go, and what they are made of there; what a kind does not need is null.
+typedef struct {
+    global ulong* elements;     // or codes
+    global uint* words;         // ids or values
+    global const uint* halves;  // next keys, or the low halves of the codes, by value
+    uint index_mask;
+} Target;
+
+static inline void store_element(uint kind, Target target, uint at, ulong element) {
+    if (kind == SCATTER_REKEY) {
+        target.elements[at] = (element & ~0xfffffffful) | target.halves[VALUE(element)];
+    } else if (kind == SCATTER_LAST) {
+        target.words[at] = VALUE(element);
+        target.elements[at] = element << 32 | target.halves[VALUE(element)];
+    } else {
+        target.elements[at] = element;
+        if (kind == SCATTER_IDS) target.words[at] = (uint)element & target.index_mask;
+    }
+}
+
 #if LANE_SHAPE
 
 // How far ahead of its use a gathered word is fetched.
-#ifndef GATHER_AHEAD
-#define GATHER_AHEAD 16
+#ifndef HALF_AHEAD
+#define HALF_AHEAD 16
 #endif
 
 // First position of each digit of this piece.
@@ -67,32 +96,33 @@ static inline void find_positions(global const uint* counts, uint* next) {
     }
 }
 
+// The elements of a cache line: how far ahead of a write the memory behind it is fetched.
+#define LINE_ELEMENTS 8
+
 #define SCATTER_LOCALS \
     PIECE_OF_ELEMENTS  \
     uint next[RADIX];  \
     find_positions(counts, next);
+#define SCATTER_PIECE(kind, target) scatter_piece(kind, elements, begin, end, shift, mask, next, target)
 
-// The elements of a cache line: how far ahead of a write the memory behind it is fetched.
-#define LINE_ELEMENTS 8
-
-// for every element of the piece: `at` is where in `out` it belongs. `ahead` is done in time for element
-// i + GATHER_AHEAD.
-#define FOR_SCATTERED_ELEMENTS(out, ahead, store)            \
-    for (size_t i = begin; i < end; ++i) {                   \
-        const ulong element = elements[i];                   \
-        PREFETCH(elements + i + SORT_AHEAD);                 \
-        ahead;                                               \
-        const uint at = next[DIGIT(element, shift, mask)]++; \
-        PREFETCH((out) + at + LINE_ELEMENTS);                \
-        store                                                \
+// `kind` is a constant, as in store_element().
+static inline void scatter_piece(uint kind, global const ulong* elements, size_t begin, size_t end, uint shift,
+                                 uint mask, uint* next, Target target) {
+    for (size_t i = begin; i < end; ++i) {
+        const ulong element = elements[i];
+        PREFETCH(elements + i + SORT_AHEAD);
+        if (NEEDS_HALVES(kind)) PREFETCH(target.halves + VALUE(elements[min(i + HALF_AHEAD, end - 1)]));
+        const uint at = next[DIGIT(element, shift, mask)]++;
+        PREFETCH(target.elements + at + LINE_ELEMENTS);
+        if (kind == SCATTER_IDS) PREFETCH(target.words + at + 2 * LINE_ELEMENTS);
+        store_element(kind, target, at, element);
     }
-
-#define VALUE_AHEAD (elements[min(i + GATHER_AHEAD, end - 1)] >> 32)
+}
 
 #else
 
 // Each item sums a contiguous run, the group scans the sums, each item writes its run.
-KERNEL void scan_counts(global uint* counts, uint count) {
+KERNEL void scan_digits(global uint* counts, uint count) {
     local uint scratch[WORK_GROUP_SIZE];
     const uint run = (count + WORK_GROUP_SIZE - 1) / WORK_GROUP_SIZE;
     const uint begin = min((uint)LOCAL_ID * run, count);
@@ -113,10 +143,7 @@ KERNEL void scan_counts(global uint* counts, uint count) {
 // A tile of TILE elements at a time is sorted by its digit in local memory, four bits after four, so that equal digits
 // leave in runs; then every run is written to where the group's next element of that digit belongs (Satish, Harris,
 // Garland 2009).
-#ifndef ITEMS_PER_WORK_ITEM
-#define ITEMS_PER_WORK_ITEM 4
-#endif
-#define TILE (WORK_GROUP_SIZE * ITEMS_PER_WORK_ITEM)
+#define TILE (WORK_GROUP_SIZE * TILE_ELEMENTS_PER_ITEM)
 #define LOCAL_BITS 4
 #define LOCAL_DIGITS (1 << LOCAL_BITS)
 
@@ -129,12 +156,12 @@ static inline uint local_digit(ulong element, uint shift, uint mask, uint local_
 static inline void sort_tile(local ulong* tile, local ushort* counters, local uint* scratch, uint shift, uint mask,
                              uint local_shift) {
     const uint item = get_local_id(0);
-    ulong mine[ITEMS_PER_WORK_ITEM];
+    ulong mine[TILE_ELEMENTS_PER_ITEM];
     for (uint k = 0; k < LOCAL_DIGITS; ++k) {
         counters[k * WORK_GROUP_SIZE + item] = 0;
     }
-    for (uint k = 0; k < ITEMS_PER_WORK_ITEM; ++k) {
-        mine[k] = tile[item * ITEMS_PER_WORK_ITEM + k];
+    for (uint k = 0; k < TILE_ELEMENTS_PER_ITEM; ++k) {
+        mine[k] = tile[item * TILE_ELEMENTS_PER_ITEM + k];
         ++counters[local_digit(mine[k], shift, mask, local_shift) * WORK_GROUP_SIZE + item];
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -150,7 +177,7 @@ static inline void sort_tile(local ulong* tile, local ushort* counters, local ui
         before += here;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint k = 0; k < ITEMS_PER_WORK_ITEM; ++k) {
+    for (uint k = 0; k < TILE_ELEMENTS_PER_ITEM; ++k) {
         const uint at = local_digit(mine[k], shift, mask, local_shift) * WORK_GROUP_SIZE + item;
         tile[counters[at]] = mine[k];
         ++counters[at];
@@ -196,52 +223,55 @@ static inline void load_tile(global const ulong* elements, size_t at, size_t end
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// for every element of the piece: `at` is where it belongs. Padding ends the tile that holds the piece's end.
-#define FOR_SCATTERED_ELEMENTS(out, ahead, store)                                                       \
-    for (size_t tile_begin = begin; tile_begin < end; tile_begin += TILE) {                             \
-        load_tile(elements, tile_begin, end, shift, mask, tile, counters, scratch, run_begin, run_end); \
-        FOR_WORK_ITEMS(k, 0, min((size_t)TILE, end - tile_begin)) {                                     \
-            const ulong element = tile[k];                                                              \
-            const uint digit = DIGIT(element, shift, mask);                                             \
-            const uint at = next[digit] + (uint)k - run_begin[digit];                                   \
-            store                                                                                       \
-        }                                                                                               \
-        barrier(CLK_LOCAL_MEM_FENCE);                                                                   \
-        FOR_WORK_ITEMS(digit, 0, RADIX) {                                                               \
-            next[digit] += run_end[digit] - run_begin[digit];                                           \
-        }                                                                                               \
-        barrier(CLK_LOCAL_MEM_FENCE);                                                                   \
+#define SCATTER_PIECE(kind, target) \
+    scatter_piece(kind, elements, begin, end, shift, mask, tile, counters, scratch, next, run_begin, run_end, target)
+
+// `kind` is a constant, as in store_element(). Padding ends the tile that holds the piece's end.
+static inline void scatter_piece(uint kind, global const ulong* elements, size_t begin, size_t end, uint shift,
+                                 uint mask, local ulong* tile, local ushort* counters, local uint* scratch,
+                                 local uint* next, local uint* run_begin, local uint* run_end, Target target) {
+    for (size_t tile_begin = begin; tile_begin < end; tile_begin += TILE) {
+        load_tile(elements, tile_begin, end, shift, mask, tile, counters, scratch, run_begin, run_end);
+        FOR_WORK_ITEMS(k, 0, min((size_t)TILE, end - tile_begin)) {
+            const ulong element = tile[k];
+            const uint digit = DIGIT(element, shift, mask);
+            store_element(kind, target, next[digit] + (uint)k - run_begin[digit], element);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        FOR_WORK_ITEMS(digit, 0, RADIX) {
+            next[digit] += run_end[digit] - run_begin[digit];
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
     }
+}
 
 #endif
-
-#define KEY(element) ((uint)(element))
-#define VALUE(element) ((uint)((element) >> 32))
 
 KERNEL void scatter(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
                     global const uint* counts, global ulong* elements_out) {
     SCATTER_LOCALS
-    FOR_SCATTERED_ELEMENTS(elements_out, , elements_out[at] = element;)
+    const Target target = {elements_out, 0, 0, 0};
+    SCATTER_PIECE(SCATTER_PLAIN, target);
 }
 
 KERNEL void scatter_ids(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
                         global const uint* counts, uint index_mask, global ulong* elements_out, global uint* ids) {
     SCATTER_LOCALS
-    FOR_SCATTERED_ELEMENTS(elements_out, , PREFETCH(ids + at + 2 * LINE_ELEMENTS); elements_out[at] = element;
-                           ids[at] = (uint)element & index_mask;)
+    const Target target = {elements_out, ids, 0, index_mask};
+    SCATTER_PIECE(SCATTER_IDS, target);
 }
 
 KERNEL void scatter_rekey(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
                           global const uint* counts, global const uint* next_keys, global ulong* elements_out) {
     SCATTER_LOCALS
-    FOR_SCATTERED_ELEMENTS(elements_out, PREFETCH(next_keys + VALUE_AHEAD),
-                           elements_out[at] = (element & ~0xfffffffful) | next_keys[VALUE(element)];)
+    const Target target = {elements_out, 0, next_keys, 0};
+    SCATTER_PIECE(SCATTER_REKEY, target);
 }
 
 KERNEL void scatter_last(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
                          global const uint* counts, global const uint* code_low, global ulong* codes_out,
                          global uint* values_out) {
     SCATTER_LOCALS
-    FOR_SCATTERED_ELEMENTS(codes_out, PREFETCH(code_low + VALUE_AHEAD), values_out[at] = VALUE(element);
-                           codes_out[at] = element << 32 | code_low[VALUE(element)];)
+    const Target target = {codes_out, values_out, code_low, 0};
+    SCATTER_PIECE(SCATTER_LAST, target);
 }

@@ -3,6 +3,7 @@
 #include "aabb.clh"
 #include "node.clh"
 #include "morton_split.clh"
+#include "cluster_constants.h"
 
 #ifndef CLUSTER_LIMIT
 #define CLUSTER_LIMIT 16

@@ -1,47 +1,46 @@
 // LBVH: the binary tree that sorted Morton codes imply, with boxes, in one bottom-up pass. Every border between
 // neighbouring positions is one inner node, numbered by the position behind it (node.clh).
 //
-// prepare        group shape: what climb exchanges with starts as NOT_REACHED and zeros
+// clear_nodes    group shape: what climb_boxes exchanges with starts as NOT_REACHED and zeros
 //   out    reached [leaf_count], nodes
 //   launch ceil(leaf_count / WORK_GROUP_SIZE) groups
-// climb          group shape: one work item a leaf; the second to reach a node goes on (Apetrei 2014)
-//   in     codes, leaves [leaf_count ..]   inout  reached   out  nodes, root_reference
-//   [1] launch ceil(leaf_count / WORK_GROUP_SIZE) groups
-// build_pieces   lane shape: one work item a contiguous piece of the leaves, with a stack instead of atomics; clusters
-// that
-//                its borders leave incomplete go to pending [groups * MAX_PENDING], pending_counts [groups]
-// join_pieces    lane shape: one work item finishes with the pending clusters of all pieces
+// climb_boxes    group shape: one work item a leaf; the second to reach a node goes on (Apetrei 2014)
+//   in     codes, primitive_ids [leaf_count], boxes, by primitive
+//   inout  reached, nodes
+//   out    root_reference [1]
+//   launch ceil(leaf_count / WORK_GROUP_SIZE) groups
+// build_pieces   lane shape: one work item a contiguous piece of the leaves, with a stack instead of atomics
+//   out    pending [groups * MOST_PENDING], pending_counts [groups]: subtrees that the piece's borders leave incomplete
+// join_pieces    lane shape: one work item finishes with the pending subtrees of all pieces
 // The trees are the same.
 #include "work_group.clh"
 #include "aabb.clh"
 #include "node.clh"
 #include "morton_split.clh"
 #include "between_groups.clh"
+#include "cluster_constants.h"
 
 #if LANE_SHAPE
 
 // How far ahead of its use a box is fetched.
-#ifndef GATHER_AHEAD
-#define GATHER_AHEAD 16
+#ifndef LEAF_BOX_AHEAD
+#define LEAF_BOX_AHEAD 16
 #endif
 #define STREAM_AHEAD 128
 
-// Between the pending clusters of a piece no border is deeper than both its neighbours (it would have been merged), so
-// their levels rise, then fall: at most two runs of 64 + 32 different levels.
-#define MAX_PENDING 196
-
-// A cluster as its node in the array (node.clh), its smallest position, and the level of the border before that.
+// A subtree as its node in the array (node.clh), its smallest position, and the level of the border before that.
 typedef struct {
     float8 node;
     uint first;
     int level;
-} Cluster;
+} Subtree;
+EXPECT_SIZE(Subtree, PENDING_BYTES);
 
-static inline Cluster load_leaf(global const float* boxes, uint id, uint position, int level) {
+static inline Subtree leaf_subtree(global const float* boxes, uint id, uint position, int level) {
     global const float* box = boxes + BOX_FLOATS * (size_t)id;
     const float4 lower = vload4(0, box);
     const float4 upper = vload4(0, box + 2);
-    const Cluster leaf = {(float8)(lower.s012, as_float(position), upper.s123, as_float(1u)), position, level};
+    const Subtree leaf = {(float8)(lower.s012, as_float(position), upper.s123, as_float(1u)), position, level};
     return leaf;
 }
 
@@ -51,63 +50,63 @@ static inline float8 merge_nodes(float8 a, float8 b, uint slot) {
     return (float8)(lower.s012, as_float(2 * slot), upper.s456, as_float(0u));
 }
 
-// Puts `cluster` on the stack of neighbouring clusters, having merged it with those at the top as long as the border
-// between the two is the deepest around. `right_level` is that of the border behind the cluster. Returns the stack's
+// Puts `subtree` on the stack of neighbouring subtrees, having merged it with those at the top as long as the border
+// between the two is the deepest around. `right_level` is that of the border behind it. Returns the stack's
 // new size.
-static inline uint push_cluster(Cluster* stack, uint size, Cluster cluster, int right_level, global float* nodes) {
-    while (size > 0 && cluster.level <= right_level && cluster.level <= stack[size - 1].level) {
-        const Cluster left = stack[size - 1];
-        STREAM_STORE16((float16)(left.node, cluster.node), cluster.first, nodes);
-        cluster.node = merge_nodes(left.node, cluster.node, cluster.first);
-        cluster.first = left.first;
-        cluster.level = left.level;
+static inline uint push_subtree(Subtree* stack, uint size, Subtree subtree, int right_level, global float* nodes) {
+    while (size > 0 && subtree.level <= right_level && subtree.level <= stack[size - 1].level) {
+        const Subtree left = stack[size - 1];
+        STREAM_STORE16((float16)(left.node, subtree.node), subtree.first, nodes);
+        subtree.node = merge_nodes(left.node, subtree.node, subtree.first);
+        subtree.first = left.first;
+        subtree.level = left.level;
         --size;
     }
-    stack[size] = cluster;
+    stack[size] = subtree;
     return size + 1;
 }
 
 KERNEL void build_pieces(global const ulong* codes, global const uint* primitive_ids, global const float* boxes,
                          global const uint* leaf_count_in, uint piece_length, global float* nodes,
-                         global Cluster* pending, global uint* pending_counts) {
+                         global Subtree* pending, global uint* pending_counts) {
     const uint leaf_count = *leaf_count_in;
     const uint begin = min((uint)get_group_id(0) * piece_length, leaf_count);
     const uint end = min(begin + piece_length, leaf_count);
-    Cluster stack[MAX_PENDING];
+    Subtree stack[MOST_PENDING];
     uint size = 0;
     int level = border_level(codes, begin, leaf_count);
     for (uint i = begin; i < end; ++i) {
         PREFETCH(codes + i + STREAM_AHEAD);
         PREFETCH(primitive_ids + i + STREAM_AHEAD);
-        PREFETCH(boxes + BOX_FLOATS * (size_t)primitive_ids[min(i + GATHER_AHEAD, end - 1)]);
+        PREFETCH(boxes + BOX_FLOATS * (size_t)primitive_ids[min(i + LEAF_BOX_AHEAD, end - 1)]);
         const int right_level = border_level(codes, i + 1, leaf_count);
-        size = push_cluster(stack, size, load_leaf(boxes, primitive_ids[i], i, level), right_level, nodes);
+        size = push_subtree(stack, size, leaf_subtree(boxes, primitive_ids[i], i, level), right_level, nodes);
         level = right_level;
     }
     for (uint k = 0; k < size; ++k) {
-        pending[get_group_id(0) * MAX_PENDING + k] = stack[k];
+        pending[get_group_id(0) * MOST_PENDING + k] = stack[k];
     }
     pending_counts[get_group_id(0)] = size;
 }
 
-KERNEL void join_pieces(global const Cluster* pending, global const uint* pending_counts, uint piece_count,
+KERNEL void join_pieces(global const Subtree* pending, global const uint* pending_counts, uint piece_count,
                         global const uint* leaf_count_in, global float* nodes, global uint* root_reference) {
     const uint leaf_count = *leaf_count_in;
-    Cluster stack[MAX_PENDING];
+    Subtree stack[MOST_PENDING];
     uint size = 0;
-    Cluster next = pending[0];
+    Subtree next = pending[0];
     int first_one = 1;
     for (uint piece = 0; piece < piece_count; ++piece) {
         for (uint k = 0; k < pending_counts[piece]; ++k) {
-            const Cluster following = pending[piece * MAX_PENDING + k];
+            const Subtree following = pending[piece * MOST_PENDING + k];
             if (!first_one) {
-                size = push_cluster(stack, size, next, following.level, nodes);
+                size = push_subtree(stack, size, next, following.level, nodes);
             }
             next = following;
             first_one = 0;
         }
     }
-    push_cluster(stack, size, next, OUTER_LEVEL, nodes);
+    push_subtree(stack, size, next, OUTER_LEVEL, nodes);
     *root_reference = leaf_count == 1 ? 0 : leaf_count + as_uint(stack[0].node.s3) / 2;
 }
 
@@ -115,7 +114,7 @@ KERNEL void join_pieces(global const Cluster* pending, global const uint* pendin
 
 #define NOT_REACHED 0xffffffffu
 
-KERNEL void prepare(global const uint* leaf_count_in, global uint* reached, global float* nodes) {
+KERNEL void clear_nodes(global const uint* leaf_count_in, global uint* reached, global float* nodes) {
     const uint leaf_count = *leaf_count_in;
     const size_t slot = get_global_id(0);
     if (slot < leaf_count) {
@@ -130,9 +129,9 @@ static inline void publish_node(global uint* node, Box box, uint reference, uint
     node[7] = node_count(reference, leaf_count);
 }
 
-KERNEL void climb(global const ulong* codes, global const uint* primitive_ids, global const float* boxes,
-                  global const uint* leaf_count_in, global uint* reached, global uint* nodes,
-                  global uint* root_reference) {
+KERNEL void climb_boxes(global const ulong* codes, global const uint* primitive_ids, global const float* boxes,
+                        global const uint* leaf_count_in, global uint* reached, global uint* nodes,
+                        global uint* root_reference) {
     const uint leaf_count = *leaf_count_in;
     const size_t leaf = get_global_id(0);
     if (leaf >= leaf_count) {

@@ -8,9 +8,9 @@
 //   in  references [count], leaves, inner (cluster.clh)   out  neighbours [count]: positions
 // merge        mutual pairs become inner nodes in place of their first cluster
 //   inout references, inner, nodes   in neighbours   out valid [count]: 0 where a cluster ended
-// count_valid, scan_counts, compact: the prefix sum over `valid`, in three kernels
+// count_valid, scan_valid, compact: the prefix sum over `valid`, in three kernels
 //   in references, valid   out compacted, the count after the iteration; root_reference [1]: the first of compacted
-//   launch all but scan_counts: the same number of groups, any number
+//   launch all but scan_valid: the same number of groups, any number
 //
 // local  about 9 * WORK_GROUP_SIZE * 4 bytes; lane shape: 9 * CHUNK_STRIDE * 4 + CHUNK * 4
 #include "work_group.clh"
@@ -142,8 +142,8 @@ KERNEL void count_valid(global const uchar* valid, global const uint* cluster_co
     }
 }
 
-KERNEL void scan_counts(global uint* counts, uint group_count, global uint* cluster_counts, uint iteration,
-                        global const uint* leaf_count_in) {
+KERNEL void scan_valid(global uint* counts, uint group_count, global uint* cluster_counts, uint iteration,
+                       global const uint* leaf_count_in) {
     local uint scan[WORK_GROUP_SIZE];
     const uint clusters = clusters_before(iteration, *leaf_count_in, cluster_counts);
     uint before = 0;

@@ -32,7 +32,7 @@ KERNEL void search_merge(global const uint* references, global const uint* clust
     const uint count = count_above(clusters_before(iteration, leaf_count, cluster_counts), threshold);
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
-    DECLARE_MERGE(survivor, merging);
+    DECLARE_MERGE(survivor, merging, chunk);
     local uint scan[WORK_GROUP_SIZE];
     const size_t begin = group_begin(count, get_group_id(0));
     const size_t end = group_begin(count, get_group_id(0) + 1);
@@ -101,7 +101,7 @@ KERNEL void finish(global uint* references, global uint* other, global const uin
     const uint count = clusters_before(iteration, leaf_count, cluster_counts);
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
-    DECLARE_MERGE(survivor, merging);
+    DECLARE_MERGE(survivor, merging, chunk);
     local uint scan[WORK_GROUP_SIZE];
     cluster_range(chunk, search, survivor, merging, scan, references, other, count, 1, leaves, inner, nodes,
                   leaf_count);

@@ -2,10 +2,10 @@
 //
 // extract_ranges   in codes [leaf_count]  out range_begins [MAX_RANGES + 1], range_total [1]; one group
 //                  Every round splits the ranges longer than half the longest one, until there are range_count of them.
-// cluster_ranges   clusters each range down to SEARCH_RADIUS; one group a range, MAX_RANGES groups, the idle ones end
-// at once
-//                  inout references, other [leaf_count]  out survivors [MAX_RANGES * SEARCH_RADIUS], survivor_counts
-//                  [MAX_RANGES]
+// cluster_ranges   clusters each range down to SEARCH_RADIUS; MAX_RANGES groups, one a range, of which the idle end at
+//                  once
+//                  inout references, other [leaf_count]
+//                  out   survivors [MAX_RANGES * SEARCH_RADIUS], survivor_counts [MAX_RANGES]
 // finish_ranges    joins the survivors in `references` and clusters them to the root; one group; root_reference [1]
 //
 // local  as plocpp.cl, and 2 * MAX_RANGES * 4 bytes
@@ -83,7 +83,7 @@ KERNEL void cluster_ranges(global const uint* range_begins, global const uint* r
     const uint leaf_count = *leaf_count_in;
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
-    DECLARE_MERGE(survivor, merging);
+    DECLARE_MERGE(survivor, merging, chunk);
     local uint scan[WORK_GROUP_SIZE];
     const uint range = get_group_id(0);
     const uint begin = range < *range_total ? range_begins[range] : 0;
@@ -104,7 +104,7 @@ KERNEL void finish_ranges(global const uint* survivors, global const uint* survi
     const uint leaf_count = *leaf_count_in;
     DECLARE_CHUNK(chunk);
     DECLARE_SEARCH(search);
-    DECLARE_MERGE(survivor, merging);
+    DECLARE_MERGE(survivor, merging, chunk);
     local uint scan[WORK_GROUP_SIZE];
     local uint offsets[MAX_RANGES + 1];
     if (LOCAL_ID == 0) {

@@ -2,16 +2,14 @@
 //
 //   in     nodes [node_count]; primitive ids and a mesh (input.clh), or leaf rows (leaf_triangle.clh);
 //          rays [ray_count] (ray.clh)
-//   inout  control [4]: the next rays to be taken (TRACE_PERSISTENT), how many rays were left, whether rays go through
-//          eight children
+//   inout  control [4]: how many rays were left, whether rays go through eight children
 //   out    results: Hit, or for any hit uchar (0 or 1) [ray_count]; counts [ray_count] where has_counts
 //
 // begin_trace, begin_wide_trace
 //   set control; one group. The latter asks the header of a wide tree whether there is one.
 // leaf_triangles  out leaf rows [3 * reference_count]; a group for BLOCK_RAYS references
 // trace_closest, trace_any
-//   launch groups for BLOCK_RAYS rays each; or with TRACE_PERSISTENT any number of groups, whose items come back for
-//          more until no rays are left
+//   launch groups for BLOCK_RAYS rays each
 // wide_closest, wide_any (lane shape)
 //   the same through a tree of eight children (wide_tree.clh), where there is one: then those above do nothing
 // widen_top, widen_rest (lane shape)
@@ -38,13 +36,10 @@
 #ifndef BLOCK_RAYS
 #define BLOCK_RAYS WORK_GROUP_SIZE
 #endif
-#ifndef TRACE_PERSISTENT
-#define TRACE_PERSISTENT 0
-#endif
 
-#define NEXT_BLOCK 0
-#define LEFT_RAYS 1
-#define GOES_WIDE 2
+// Words of control.
+#define LEFT_RAYS 0
+#define GOES_WIDE 1
 
 // The result of a ray that was left.
 #define LEFT_PRIMITIVE (NO_PRIMITIVE - 1)
@@ -139,20 +134,6 @@ static inline void trace_left(Scene scene, global const float4* rays, uint ray_c
     }
 }
 
-#if TRACE_PERSISTENT
-// Each work item by itself: no barriers, and nobody waits for the longest ray of a group.
-#define ITEM_RAYS ((BLOCK_RAYS + WORK_GROUP_SIZE - 1) / WORK_GROUP_SIZE)
-#define DEFINE_TRACE(name, is_any)                                                                         \
-    KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS) {                                                     \
-        const Scene scene = SCENE;                                                                         \
-        RAYS(is_any);                                                                                      \
-        for (;;) {                                                                                         \
-            const size_t begin = ITEM_RAYS * (size_t)atomic_inc(control + NEXT_BLOCK);                     \
-            if (begin >= ray_count) break;                                                                 \
-            trace_rays(scene, rays, begin, min(begin + ITEM_RAYS, (size_t)ray_count), 1, output, control); \
-        }                                                                                                  \
-    }
-#else
 #define DEFINE_TRACE(name, is_any)                                                        \
     KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS) {                                    \
         const Scene scene = SCENE;                                                        \
@@ -162,7 +143,6 @@ static inline void trace_left(Scene scene, global const float4* rays, uint ray_c
         const size_t end = min(begin + BLOCK_RAYS, (size_t)ray_count);                    \
         trace_rays(scene, rays, begin + LOCAL_ID, end, WORK_GROUP_SIZE, output, control); \
     }
-#endif
 
 #define DEFINE_DEEP_TRACE(name, is_any)                                                                  \
     KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS, global uchar* deep_stack, ulong deep_stack_offset,  \
@@ -187,7 +167,7 @@ KERNEL void begin_trace(global uchar* control_buffer, ulong control_offset) {
 #define WIDE_ARGUMENTS global uchar *wide, ulong header_offset, ulong wide_nodes_offset, ulong wide_blocks_offset
 
 KERNEL void begin_wide_trace(global uchar* control_buffer, ulong control_offset, WIDE_ARGUMENTS) {
-    *AT(uint4, control_buffer, control_offset) = (uint4)(0, 0, AT(uint, wide, header_offset)[HAS_WIDE_TREE], 0);
+    *AT(uint4, control_buffer, control_offset) = (uint4)(0, AT(uint, wide, header_offset)[HAS_WIDE_TREE], 0, 0);
 }
 
 #define DEFINE_WIDE_TRACE(name, is_any)                                                                                \

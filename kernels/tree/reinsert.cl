@@ -10,8 +10,8 @@
 // find_places
 //   in     nodes, parents
 // lock_gains, lock_ties
-//   inout  locks [2 * nodes]: the largest gain that wants a slot, and of those with that gain the largest subtree's
-//   slot
+//   inout  locks [2 * nodes]: the largest gain that wants a slot, and the largest slot among the subtrees with that
+//   gain
 // find_winners
 //   out    moving [nodes]: of subtrees whose moves have all their locks, the candidate's number and 1
 // check_targets: of two moves one of which carries the other's target away, the lesser one loses. So no two, nor any

@@ -18,7 +18,7 @@
 // count_candidates
 //   in     ranks   out counts [blocks]: above the threshold, and at it; a block is SLOTS_PER_GROUP slots
 //   launch a group a block
-// scan_counts
+// scan_candidates
 //   inout  counts [blocks]: of all blocks before each   launch one group
 // collect_candidates
 //   in     ranks, counts   out found: the candidates' slots, ascending; no more than were asked for
@@ -170,7 +170,7 @@ KERNEL void count_candidates(global const float* nodes, TREE_SIZE_ARGUMENTS, glo
     if (LOCAL_ID == 0) counts[get_group_id(0)] = (uint2)(above, at);
 }
 
-KERNEL void scan_counts(uint blocks, global const uint* control, global uint2* counts) {
+KERNEL void scan_candidates(uint blocks, global const uint* control, global uint2* counts) {
     local uint scratch[WORK_GROUP_SIZE];
     if (control[IS_DONE]) return;
     uint2 before = (uint2)(0, 0);

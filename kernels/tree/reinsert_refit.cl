@@ -23,9 +23,7 @@
 
 // Most of the nodes that a pass tries to move, as ReinsertConfig::candidates; ends when a pass with so many lowers the
 // sum of areas by less than LEAST_GAIN of it. Whenever one saves less than GOOD_GAIN the next tries twice as many.
-#ifndef MOST_PART
-#define MOST_PART 0.1f
-#endif
+#define MOST_PART (1.0f / MOST_PART_DIVISOR)
 #ifndef LEAST_GAIN
 #define LEAST_GAIN 0.001f
 #endif

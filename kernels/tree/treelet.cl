@@ -3,8 +3,8 @@
 // of the tree is taken apart until there are TREELET_LEAVES. It is replaced by the best of all binary trees over these
 // leaves, where that is better. Leaves of the tree stay as they are.
 //
-// restructure    restructures the treelets of all nodes of one level of size (treelet_walk.clh), children before
-// parents
+// restructure
+//          the treelets of all nodes of one level of size (treelet_walk.clh), children before parents
 //   in     lists, list_counts [LEVELS] (treelet_sizes.cl); least_size as there, at least TREELET_LEAVES
 //   inout  nodes [node_count], parents [node_count / 2] (parents.cl), sizes [node_count / 2] (treelet_sizes.cl)
 //   launch group shape: any number of groups, each takes subtrees in turn and a treelet at a time (treelet_group.clh).

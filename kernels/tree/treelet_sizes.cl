@@ -27,7 +27,7 @@ KERNEL void clear_words(global uint* words, uint count) {
 
 // Adds `size`, the leaves below the node `slot`, to those of its pair, and where the sibling's were there already, goes
 // on with the parent.
-static inline void climb(global uint* sizes, global const uint* parents, uint slot, uint size) {
+static inline void count_upwards(global uint* sizes, global const uint* parents, uint slot, uint size) {
     while (slot != ROOT_SLOT) {
         const uint of_sibling = atomic_add(sizes + slot / 2, size);
         if (of_sibling == 0) return;
@@ -46,9 +46,9 @@ KERNEL void count_leaves(global const float* nodes, TREE_SIZE_ARGUMENTS, global 
         if (pair == 0) continue;
         if (left_is_leaf && right_is_leaf) {
             sizes[pair] = 2;
-            climb(sizes, parents, parents[pair], 2);
+            count_upwards(sizes, parents, parents[pair], 2);
         } else if (left_is_leaf || right_is_leaf) {
-            climb(sizes, parents, (uint)(2 * pair), 1);
+            count_upwards(sizes, parents, (uint)(2 * pair), 1);
         }
     }
 }

@@ -26,7 +26,7 @@ public:
           context_(context),
           settings_(device::prepare_pipeline(context_.session(), algorithm_, options)) {
         if (options.optimize_on == OptimizeOn::device) {
-            end_.optimizers = make_optimizer_chain(context_.session(), options);
+            optimizers_ = make_optimizer_chain(context_.session(), options);
         }
     }
 
@@ -36,7 +36,7 @@ public:
         const auto primitives = static_cast<std::uint32_t>(mesh.triangles.size());
         if (primitives > 0) {
             device::check_allocations(session, device::plan_pipeline(algorithm_, settings_, primitives),
-                                      end_.optimizers.scratch_bytes(2 * static_cast<std::uint32_t>(active_count)));
+                                      optimizers_.scratch_bytes(2 * static_cast<std::uint32_t>(active_count)));
         }
         device::DeviceMesh uploaded;
         uploaded.primitive_count = primitives;
@@ -49,7 +49,8 @@ public:
     }
 
     BuildStats run() override {
-        return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, memory_, end_);
+        return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, memory_,
+                                    optimizers_);
     }
 
     void upload_parts(const Mesh& boxes, const Mesh&) override { upload(boxes, boxes.triangles.size()); }
@@ -90,7 +91,7 @@ private:
     Context context_;
     device::BuildSettings settings_;
     device::OwnMemory memory_;
-    device::PipelineEnd end_;
+    device::OptimizerChain optimizers_;
     device::DeviceMesh mesh_;
     Bvh downloaded_;
 };

@@ -12,6 +12,7 @@
 #include "clbvh/trace/traverse.hpp"
 #include "core/arena_size.hpp"
 #include "core/check_field.hpp"
+#include "core/check_length.hpp"
 #include "core/memory_errors.hpp"
 #include "trace/check_tree.hpp"
 #include "trace/leaf_triangles.hpp"
@@ -29,12 +30,6 @@ constexpr std::size_t kRaysPerTask = 256;
 int arena_size_for(const TracerOptions& options) {
     check_range("thread_count", options.thread_count, 0, 1024);
     return arena_size(options.thread_count);
-}
-
-void check_length(const char* name, std::size_t length, std::size_t rays) {
-    if (length == rays) return;
-    throw Error(ErrorCode::invalid_input, std::string(name) + " has room for " + std::to_string(length) +
-                                              " rays, but there are " + std::to_string(rays) + "; it must be as many");
 }
 
 }  // namespace

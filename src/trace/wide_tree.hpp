@@ -1,19 +1,21 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
+#include "kernels/trace/trace_constants.h"
 #include "trace/huge_page_array.hpp"
 #include "trace/leaf_triangles.hpp"
 
 namespace clbvh::trace {
 
 inline constexpr std::uint32_t kWideChildren = 8;
-inline constexpr std::uint32_t kBlockTriangles = 4;
+inline constexpr std::uint32_t kBlockTriangles = kernels::BLOCK_TRIANGLES;
 
 /// Eight boxes, side by side for vectors. A child is the index of a wide node, or that of a leaf's first block with
 /// kLeafFlag; where there are fewer than eight, the rest have boxes that no ray meets.
@@ -21,9 +23,10 @@ struct alignas(32) WideNode {
     std::array<std::array<std::array<float, kWideChildren>, 3>, 2> bounds;  ///< [lower or upper][axis][child]
     std::array<std::uint32_t, kWideChildren> children;
 };
-static_assert(sizeof(WideNode) == 224);
+static_assert(sizeof(WideNode) == sizeof(float) * kernels::WIDE_NODE_FLOATS);
+static_assert(offsetof(WideNode, children) == sizeof(float) * kernels::WIDE_CHILDREN);
 
-inline constexpr std::uint32_t kLeafFlag = 0x80000000U;
+inline constexpr std::uint32_t kLeafFlag = 1U << kernels::WIDE_LEAF_BIT;
 
 /// Four triangles of a leaf, side by side. Where there are fewer, the rest have vertices of NaN, which no ray hits.
 struct alignas(16) TriangleBlock {
@@ -42,9 +45,9 @@ struct alignas(16) TriangleBlock {
         return {vertex(0), vertex(1), vertex(2)};
     }
 
-    static constexpr std::uint32_t kLastBlockFlag = 0x80000000U;
+    static constexpr std::uint32_t kLastBlockFlag = 1U << kernels::LAST_BLOCK_BIT;
 };
-static_assert(sizeof(TriangleBlock) == 160);
+static_assert(sizeof(TriangleBlock) == sizeof(float) * kernels::BLOCK_FLOATS);
 
 /// A tree of two children laid out for speed: its nodes with up to eight children, its leaves with up to four triangles
 /// where that joins smaller ones. Boxes are those of the binary tree's nodes, so a ray meets all triangles that it may

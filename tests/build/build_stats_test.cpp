@@ -150,7 +150,7 @@ TEST_CASE("stages have their names and order, and add up") {
                 CHECK(stage.device_ms > 0.0);
                 CHECK(stage.launches > 0);
             }
-            CHECK(names == std::vector<std::string>{"bounds", "morton", "sort", "cluster", "layout"});
+            CHECK(names == std::vector<std::string>{"bounds", "morton", "sort", "cluster", "root"});
             CHECK(launches == stats.launches);
             CHECK(host_ms > 0.0);
             CHECK(host_ms <= stats.build_ms);

@@ -141,7 +141,7 @@ TEST_CASE("optimized builds: a tree on the caller's queue can be optimized behin
                                  optimizer.scratch_bytes(10000));
         const cl::Event built = tree.enqueue(queue);
         const std::vector<cl_event> wait_list{built()};
-        optimizer.enqueue(queue(), DeviceNodes::of(tree.result(), 5000), {scratch()}, wait_list);
+        optimizer.enqueue(queue(), DeviceBvh::of(tree.result(), 5000), {scratch()}, wait_list);
         queue.finish();
         CHECK(same_bytes(tree.read(), optimized_apart("plocpp", shape, mesh)));
         CHECK(tree.guards_are_whole());

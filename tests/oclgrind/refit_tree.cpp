@@ -1,6 +1,8 @@
 // A tree refitted on the device in one shape, beside the host's: what Oclgrind watches.
 //   oclgrind_refit_tree (group | lane)
 
+#include <CL/cl.h>
+
 #include <array>
 #include <clbvh/clbvh.hpp>
 #include <clbvh/device/device_refitter.hpp>
@@ -62,20 +64,19 @@ int run(const std::string& shape) {
     triangles.count = count;
     triangles.vertices = vertices.span();
     triangles.indices = indices.span();
-    const clbvh::DeviceNodes tree{nodes.span(), node_count, {}};
+    const clbvh::DeviceBvh tree{nodes.span(), node_count, ids.span(), count, {}};
     refitter.enqueue_order(context.opencl_queue(), tree, order.span());
-    refitter.enqueue(context.opencl_queue(), tree,
-                     {triangles, ids.span(), count, order.span(), scratch.span(), sah.span()});
+    refitter.enqueue(context.opencl_queue(), tree, {triangles, order.span(), scratch.span(), sah.span()});
     std::vector<clbvh::Node> fitted(node_count);
     std::array<float, 2> costs{};
     nodes.read<clbvh::Node>(context, fitted);
     sah.read<float>(context, costs);
-    refitter.enqueue_quality(context.opencl_queue(), tree, scratch.span(), sah.span());
-    std::array<float, 1> quality{};
-    sah.read<float>(context, quality);
+    refitter.enqueue_cost(context.opencl_queue(), tree, scratch.span(), sah.span());
+    std::array<float, 1> cost{};
+    sah.read<float>(context, cost);
     const auto is_near = [](double a, double b) { return std::abs(a - b) <= 1e-6 * b; };
     const bool are_same = fitted == expected.nodes && is_near(costs[0], stats.sah_before) &&
-                          is_near(costs[1], stats.sah_after) && is_near(quality[0], stats.sah_after);
+                          is_near(costs[1], stats.sah_after) && is_near(cost[0], stats.sah_after);
     if (!are_same) std::cerr << "the device's tree or its cost is not the host's\n";
     return are_same ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -32,7 +32,6 @@ int run(std::span<char*> arguments) {
     options.shape = is_group ? clbvh::Shape::group : clbvh::Shape::lane;
     if (is_group) options.work_group_size = 16;
     options.stack_entries = static_cast<std::uint32_t>(std::stoul(arguments[2]));
-    options.persistent_groups = static_cast<std::uint32_t>(std::stoul(arguments[3]));
 
     const clbvh::Mesh mesh = clbvh::generate_scene("soup", 600);
     const clbvh::Bvh bvh = clbvh::build(mesh, "locally-ordered");

@@ -44,7 +44,7 @@ DeviceRayMemory::DeviceRayMemory(const DeviceTracer& tracer, const DeviceBvh& bv
     results_ = make_guarded(count_ * sizeof(Hit));
     counts_ = make_guarded(count_ * sizeof(RayCounts));
     scratch_ = make_guarded(sizes.scratch);
-    copy_ = make_guarded(sizes.copy);
+    layout_ = make_guarded(sizes.layout);
     queue().finish();
 }
 
@@ -65,7 +65,7 @@ std::vector<RayCounts> DeviceRayMemory::counts() const {
 }
 
 bool DeviceRayMemory::guards_are_whole() const {
-    return std::ranges::all_of(std::initializer_list<const Guarded*>{&results_, &counts_, &scratch_, &copy_},
+    return std::ranges::all_of(std::initializer_list<const Guarded*>{&results_, &counts_, &scratch_, &layout_},
                                [](const Guarded* piece) {
                                    const auto is_whole = [&](std::uint64_t begin) {
                                        const auto bytes = read<std::uint8_t>({piece->buffer(), begin}, kGuard);

@@ -15,8 +15,8 @@ public:
 
     /// Where the rays, their hits and counts are.
     [[nodiscard]] DeviceRays rays() const;
-    /// Where a copy of the scene may be made.
-    [[nodiscard]] DeviceSpan copy() const { return copy_.span; }
+    /// Where a traversal layout may be made.
+    [[nodiscard]] DeviceSpan layout() const { return layout_.span; }
 
     [[nodiscard]] std::vector<Hit> hits() const;
     [[nodiscard]] std::vector<std::uint8_t> bytes() const;
@@ -33,7 +33,7 @@ private:
 
     std::uint32_t count_;
     cl::Buffer rays_;
-    Guarded results_, counts_, scratch_, copy_;
+    Guarded results_, counts_, scratch_, layout_;
 };
 
 }  // namespace clbvh::test

@@ -45,15 +45,11 @@ RefitMemory::RefitMemory(const DeviceRefitter& refitter, const Bvh& tree, const 
       vertices_(uploaded(mesh.vertices)),
       indices_(uploaded(mesh.triangles)),
       order_(filled_buffer(sizes_.order)),
-      scratch_(filled_buffer(std::max(sizes_.scratch, sizes_.quality_scratch))),
+      scratch_(filled_buffer(std::max(sizes_.scratch, sizes_.cost_scratch))),
       sah_(filled_buffer(16)) {
     triangles_.count = static_cast<std::uint32_t>(mesh.triangles.size());
     triangles_.vertices = {vertices_()};
     triangles_.indices = {indices_()};
-}
-
-DeviceRefit RefitMemory::refit() const {
-    return {triangles_, {ids_()}, static_cast<std::uint32_t>(tree_.primitive_ids.size()), order(), scratch(), sah()};
 }
 
 Bvh RefitMemory::read_tree() const {

@@ -22,11 +22,17 @@ class RefitMemory {
 public:
     RefitMemory(const DeviceRefitter& refitter, const Bvh& tree, const Mesh& mesh);
 
-    [[nodiscard]] DeviceNodes nodes() const { return {{nodes_()}, static_cast<std::uint32_t>(tree_.nodes.size()), {}}; }
+    [[nodiscard]] DeviceBvh tree() const {
+        return {{nodes_()},
+                static_cast<std::uint32_t>(tree_.nodes.size()),
+                {ids_()},
+                static_cast<std::uint32_t>(tree_.primitive_ids.size()),
+                {}};
+    }
     [[nodiscard]] DeviceSpan order() const { return {order_()}; }
     [[nodiscard]] DeviceSpan scratch() const { return {scratch_()}; }
     [[nodiscard]] DeviceSpan sah() const { return {sah_(), 4}; }
-    [[nodiscard]] DeviceRefit refit() const;
+    [[nodiscard]] DeviceRefit refit() const { return {triangles_, order(), scratch(), sah()}; }
 
     [[nodiscard]] Bvh read_tree() const;
     /// Cost before and after, or the cost and what was there.

@@ -16,7 +16,7 @@ struct TreeOnDevice {
     }
     static const cl::Context& context() { return shared_context().session().context(); }
     static const cl::CommandQueue& queue() { return shared_context().session().queue(); }
-    [[nodiscard]] DeviceNodes target() const { return {{nodes()}, count, {}}; }
+    [[nodiscard]] DeviceBvh target() const { return {{nodes()}, count, {}, 0, {}}; }
     [[nodiscard]] std::vector<Node> read() const {
         std::vector<Node> result(count);
         queue().enqueueReadBuffer(nodes, CL_TRUE, 0, count * sizeof(Node), result.data());

@@ -42,7 +42,7 @@ void check_device_stages(const ordered_json& result) {
         names.push_back(stage["name"]);
         launches += stage["launches"].get<std::uint64_t>();
     }
-    CHECK(names == Names{"bounds", "morton", "sort", "cluster", "layout"});
+    CHECK(names == Names{"bounds", "morton", "sort", "cluster", "root"});
     CHECK(result["launches"] == launches);
 }
 

@@ -5,9 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
-#include "clbvh/device/device_builder.hpp"
+#include "clbvh/device/context.hpp"
+#include "clbvh/device/memory.hpp"
 #include "clbvh/export.h"
 
 namespace clbvh {

@@ -4,59 +4,15 @@
 #include <memory>
 #include <span>
 #include <string_view>
-#include <variant>
 
 #include "clbvh/core/build_options.hpp"
 #include "clbvh/device/context.hpp"
+#include "clbvh/device/memory.hpp"
 #include "clbvh/device/opencl_handles.hpp"
 #include "clbvh/export.h"
 #include "clbvh/registry.hpp"
 
 namespace clbvh {
-
-/// Memory of the caller's, from `offset` bytes into a buffer on. The buffer may be a sub-buffer.
-struct DeviceSpan {
-    cl_mem buffer = nullptr;
-    std::uint64_t offset = 0;
-};
-
-/// The type of one vertex index.
-enum class IndexType : std::uint8_t { uint32, uint16 };
-
-/// Triangles in device memory. Strides are in bytes.
-struct DeviceTriangles {
-    std::uint32_t count = 0;           ///< Triangles, at most kMaxPrimitives.
-    DeviceSpan vertices;               ///< Three floats each; a multiple of 4 bytes in.
-    std::uint32_t vertex_stride = 12;  ///< From one vertex to the next: 12 or more, a multiple of 4.
-    DeviceSpan indices;                ///< Three for each triangle; without a buffer vertices are taken three by three.
-    IndexType index_type = IndexType::uint32;
-    std::uint32_t index_stride = 0;  ///< From one triangle's first index to the next one's, no less than three indices;
-                                     ///< 0: just that.
-};
-
-/// Boxes in device memory, for primitives that are not triangles.
-struct DeviceBoxes {
-    std::uint32_t count = 0;    ///< Boxes, at most kMaxPrimitives.
-    DeviceSpan boxes;           ///< Six floats each, lower x y z and upper x y z; a multiple of 4 bytes in.
-    std::uint32_t stride = 24;  ///< From one box to the next, in bytes: 24 or more, a multiple of 4.
-};
-
-/// What a tree is built over.
-using DeviceInput = std::variant<DeviceTriangles, DeviceBoxes>;
-
-/// Where the tree goes.
-struct DeviceResult {
-    DeviceSpan nodes;          ///< Node [2 * active primitives], see Bvh::nodes; DeviceBuildSizes::nodes bytes.
-    DeviceSpan primitive_ids;  ///< uint [active primitives], see Bvh::primitive_ids; DeviceBuildSizes::primitive_ids.
-    DeviceSpan active_count;   ///< Becomes the number of active primitives, one uint; may be left out.
-};
-
-/// Bytes that a build needs. Nothing is read or written beyond them.
-struct DeviceBuildSizes {
-    std::uint64_t nodes = 0;          ///< 64 for each primitive.
-    std::uint64_t primitive_ids = 0;  ///< 4 for each primitive.
-    std::uint64_t scratch = 0;        ///< Free again when the build is done; the same for every input of this size.
-};
 
 /// Builds trees from buffers of the caller's into buffers of the caller's, on a queue of the caller's: nothing is
 /// allocated, and nothing is waited for (`ploc` excepted, see enqueue()). Programs are built when the builder is made.

@@ -5,35 +5,13 @@
 #include <span>
 #include <string_view>
 
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/device/context.hpp"
-#include "clbvh/device/device_builder.hpp"
+#include "clbvh/device/memory.hpp"
+#include "clbvh/device/optimizer_options.hpp"
 #include "clbvh/export.h"
 
 namespace clbvh {
-
-/// How optimisers run on a device. The shape never changes what comes out.
-struct DeviceOptimizerOptions {
-    Shape shape = Shape::automatic;    ///< See Shape.
-    std::uint32_t passes = 0;          ///< Most passes of each optimiser, up to 1000; 0: its own limit.
-    std::uint32_t treelet_leaves = 7;  ///< treelet: leaves of a treelet, 3 to 8.
-};
-
-/// The nodes of a tree in device memory.
-struct DeviceNodes {
-    DeviceSpan nodes;              ///< Node [node_count], see Bvh::nodes; DeviceOptimizer::alignment() in.
-    std::uint32_t node_count = 0;  ///< Or more, where the number of nodes in use is only known on the device.
-    /// One uint: leaves of the tree, at most node_count / 2; only the first 2 * leaves nodes are then looked at.
-    /// Without it all nodes are, and slots that no node uses must be zero. A multiple of 4 bytes in.
-    DeviceSpan active_count;
-
-    /// What DeviceBuilder::enqueue builds over `primitive_count` primitives. Where some of them may be inactive,
-    /// `result` must have its active count.
-    [[nodiscard]] static DeviceNodes of(const DeviceResult& result, std::uint32_t primitive_count) {
-        return {result.nodes, 2 * primitive_count, result.active_count};
-    }
-};
 
 /// Improves trees in device memory, in place, on a queue of the caller's: nothing is allocated, nothing is waited for,
 /// and the tree never visits the host. Or trees of the host, by way of the device. Programs are built when the
@@ -41,7 +19,7 @@ struct DeviceNodes {
 ///
 ///     clbvh::DeviceOptimizer optimizer("treelet", context);
 ///     builder.enqueue(queue, triangles, {scratch}, result);
-///     optimizer.enqueue(queue, clbvh::DeviceNodes::of(result, triangles.count), {scratch});
+///     optimizer.enqueue(queue, clbvh::DeviceBvh::of(result, triangles.count), {scratch});
 ///
 /// What every optimiser keeps: the leaves, the slots in use, and the SAH cost unless it falls. The same tree gives the
 /// same bytes on every run and in both shapes. DeviceBuilder runs the optimisers of BuildOptions::optimizers itself.
@@ -67,15 +45,16 @@ public:
     /// the scratch. Host memory under them (CL_MEM_USE_HOST_PTR) must be aligned to 64 bytes.
     [[nodiscard]] std::uint64_t alignment() const noexcept;
 
-    /// Enqueues the optimisers: they begin when the events in `wait_list` are complete, in an in-order queue also
-    /// behind what was enqueued before, and `event`, where given, becomes the caller's own event of their end.
+    /// Enqueues the optimisers; of `tree` only the nodes and the active count are looked at. They begin when the events
+    /// in `wait_list` are complete, in an in-order queue also behind what was enqueued before, and `event`, where
+    /// given, becomes the caller's own event of their end.
     ///
     /// All memory is looked at as DeviceBuilder::enqueue does, the scratch where it takes any: throws
     /// Error(invalid_input) that names the first thing wrong, before anything is enqueued. The values cannot be
     /// checked: for nodes that form no tree, for slots without a node that are not zero, and for an active count out of
     /// range the behaviour is undefined. A tree without leaves, as DeviceBuilder leaves it where no primitive is
     /// active, stays as it is.
-    void enqueue(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& scratch,
+    void enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& scratch,
                  std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
 
     /// Copies the tree to the device, runs the optimisers, and waits for the better tree. Takes every tree that

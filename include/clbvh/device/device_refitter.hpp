@@ -5,8 +5,8 @@
 #include <span>
 
 #include "clbvh/core/build_options.hpp"
-#include "clbvh/device/device_builder.hpp"
-#include "clbvh/device/device_optimizer.hpp"
+#include "clbvh/device/context.hpp"
+#include "clbvh/device/memory.hpp"
 #include "clbvh/export.h"
 #include "clbvh/metrics/sah.hpp"
 
@@ -21,19 +21,17 @@ struct DeviceRefitterOptions {
 
 /// Bytes that refitting needs beside the tree and its primitives.
 struct DeviceRefitSizes {
-    std::uint64_t order = 0;            ///< What is known of a tree's structure; kept from frame to frame.
-    std::uint64_t scratch = 0;          ///< Free again when the boxes are written.
-    std::uint64_t quality_scratch = 0;  ///< For the cost alone.
+    std::uint64_t order = 0;         ///< What is known of a tree's structure; kept from frame to frame.
+    std::uint64_t scratch = 0;       ///< Free again when the boxes are written.
+    std::uint64_t cost_scratch = 0;  ///< For the cost alone.
 };
 
-/// What a refit reads and writes beside the nodes.
+/// What a refit reads and writes beside the tree.
 struct DeviceRefit {
-    DeviceInput input;                  ///< The primitives that the tree was built over, at new places.
-    DeviceSpan primitive_ids;           ///< uint [reference_count], see Bvh::primitive_ids; alignment() in.
-    std::uint32_t reference_count = 0;  ///< Or more; what lies behind the tree's own is not used.
-    DeviceSpan order;                   ///< What DeviceRefitter::enqueue_order wrote; alignment() in.
-    DeviceSpan scratch;                 ///< DeviceRefitSizes::scratch bytes; alignment() in.
-    /// Two floats, a multiple of 4 bytes in: the tree's SAH cost with the boxes that were there, and with the new ones,
+    DeviceInput input;   ///< The primitives that the tree was built over, at new places.
+    DeviceSpan order;    ///< What DeviceRefitter::enqueue_order wrote; offset, a multiple of alignment().
+    DeviceSpan scratch;  ///< DeviceRefitSizes::scratch bytes; offset, a multiple of alignment().
+    /// Two floats, offset a multiple of 4: the tree's SAH cost with the boxes that were there, and with the new ones,
     /// as RefitStats; a node with an empty box costs nothing. Compensated sums, always in the same order.
     DeviceSpan sah;
 };
@@ -42,11 +40,10 @@ struct DeviceRefit {
 /// allocated, and nothing is waited for.
 ///
 ///     clbvh::DeviceRefitter refitter(clbvh::Context::adopt(queue));
-///     const auto tree = clbvh::DeviceNodes::of(result, triangles.count);
+///     const auto tree = clbvh::DeviceBvh::of(result, triangles.count);
 ///     const clbvh::DeviceRefitSizes sizes = refitter.sizes(tree.node_count, triangles.count);
-///     refitter.enqueue_order(queue, tree, order);                                                        // once
-///     refitter.enqueue(queue, tree, {triangles, result.primitive_ids, triangles.count, order, scratch, sah});  //
-///     often
+///     refitter.enqueue_order(queue, tree, order);                          // once
+///     refitter.enqueue(queue, tree, {triangles, order, scratch, sah});     // for each frame
 ///
 /// The boxes are those of refit(), bit for bit. Programs are built when the refitter is made. One thread at a time for
 /// all that shares the Context.
@@ -61,7 +58,7 @@ public:
     DeviceRefitter& operator=(DeviceRefitter&&) noexcept;
     ~DeviceRefitter();
 
-    /// What a tree of so many nodes (DeviceNodes::node_count) over so many primitives needs.
+    /// What a tree of so many nodes (DeviceBvh::node_count) over so many primitives needs.
     [[nodiscard]] DeviceRefitSizes sizes(std::uint32_t node_count, std::uint32_t primitive_count) const noexcept;
 
     /// What nodes, ids, order and scratch must begin at a multiple of, in bytes, as DeviceBuilder::alignment().
@@ -70,11 +67,13 @@ public:
     /// Enqueues that `order` is filled with what refits need to know of the tree's structure. It stays true until the
     /// nodes are numbered or linked in another way, as by a new build or by an optimiser.
     ///
+    /// Of `tree` this and enqueue_cost() look at the nodes and the active count, enqueue() at all fields.
+    ///
     /// This and the next two begin when the events in `wait_list` are complete, in an in-order queue also behind what
     /// was enqueued before, and `event`, where given, becomes the caller's own event of their end. All memory is looked
     /// at as DeviceBuilder::enqueue does, and so is what was found wrong thrown. The values cannot be checked: for a
     /// tree with loops, and for numbers out of range, the behaviour is undefined.
-    void enqueue_order(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& order,
+    void enqueue_order(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& order,
                        std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
 
     /// Enqueues that leaves get the boxes of their primitives, and inner nodes those of their children. Where
@@ -83,12 +82,12 @@ public:
     /// hits and that costs nothing (lower corner infinity, upper corner minus infinity). A primitive that was inactive
     /// then is in no leaf, and stays out. Without nodes, references or primitives nothing is written but
     /// two zeros to `sah`.
-    void enqueue(cl_command_queue queue, const DeviceNodes& tree, const DeviceRefit& refit,
+    void enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceRefit& refit,
                  std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
 
     /// Enqueues that the tree's SAH cost, one float, is written to `sah`: one pass over its nodes, no order needed.
-    void enqueue_quality(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& scratch,
-                         const DeviceSpan& sah, std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+    void enqueue_cost(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& scratch, const DeviceSpan& sah,
+                      std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
 
     [[nodiscard]] const DeviceRefitterOptions& options() const noexcept;
     [[nodiscard]] const Context& context() const noexcept;

@@ -10,6 +10,7 @@
 #include "clbvh/core/error.hpp"
 #include "core/memory_errors.hpp"
 #include "device/api/caller_input.hpp"
+#include "device/api/caller_queue.hpp"
 #include "device/build/batch.hpp"
 #include "device/opencl/device_memory.hpp"
 
@@ -122,7 +123,7 @@ struct CLBVH_NO_EXPORT BatchBuilder::State {
 
     [[nodiscard]] std::uint64_t largest_buffer(std::uint64_t primitives, std::uint64_t trees) const {
         const BatchPlan plan = device::plan_batch(primitives, trees);
-        return std::max({plan.nodes, plan.scratch_bytes(), plan.active_counts});
+        return std::max({plan.nodes, plan.scratch, plan.active_counts});
     }
     void check_size(std::uint64_t primitives, std::uint64_t trees) const;
     [[nodiscard]] BatchJob check(const DeviceInput& input, const DeviceBatch& batch, const DeviceSpan& rest,
@@ -159,22 +160,22 @@ BatchJob BatchBuilder::State::check(const DeviceInput& input, const DeviceBatch&
     const device::CallerInput checked = device::check_input(session, input);
     device::check_multiple("the ranges' offset", batch.ranges.offset, 0, sizeof(cl_uint));
     const CallerMemory table =
-        device::look_at(session, "the ranges", batch.ranges, batch.tree_count * std::uint64_t{sizeof(BatchRange)});
-    const CallerMemory nodes_memory = device::look_at(session, "the nodes", result.nodes, plan.nodes);
-    const CallerMemory ids = device::look_at(session, "the primitive ids", result.primitive_ids, plan.primitive_ids);
-    const CallerMemory counts = device::look_at(session, "the active count", result.active_count, plan.active_counts);
-    const CallerMemory work = device::look_at(session, "the scratch", rest, plan.scratch_bytes());
+        device::examine(session, "the ranges", batch.ranges, batch.tree_count * std::uint64_t{sizeof(BatchRange)});
+    const CallerMemory nodes_memory = device::examine(session, "the nodes", result.nodes, plan.nodes);
+    const CallerMemory ids = device::examine(session, "the primitive ids", result.primitive_ids, plan.primitive_ids);
+    const CallerMemory counts = device::examine(session, "the active count", result.active_count, plan.active_counts);
+    const CallerMemory work = device::examine(session, "the scratch", rest, plan.scratch);
     for (const CallerMemory& memory : {nodes_memory, ids, counts, work})
         device::check_views_allowed(memory, alignment);
     device::check_apart({nodes_memory, ids, counts, work, table, checked.vertices});
     device::check_apart({nodes_memory, ids, counts, work, table, checked.indices});
     device::check_readable(table);
     for (const CallerMemory& memory : {checked.vertices, checked.indices, table})
-        device::check_not_cut(memory, {nodes_memory, ids, counts, work});
+        device::check_in_other_buffer(memory, {nodes_memory, ids, counts, work});
     BatchJob job;
     job.mesh = checked.mesh;
     job.tree_count = batch.tree_count;
-    job.ranges = {table.buffer, table.offset};
+    job.ranges = table.given;
     job.nodes = nodes_memory.place;
     job.primitive_ids = ids.place;
     job.active_counts = counts.place;
@@ -196,7 +197,7 @@ BatchJob BatchBuilder::State::reserve(const Placement& placement, const BatchPla
     job.nodes = {nodes.reserve(session, plan.nodes)};
     job.primitive_ids = {primitive_ids.reserve(session, plan.primitive_ids)};
     job.active_counts = {active_counts.reserve(session, plan.active_counts)};
-    job.scratch = {scratch.reserve(session, plan.scratch_bytes())};
+    job.scratch = {scratch.reserve(session, plan.scratch)};
     return job;
 }
 
@@ -248,7 +249,7 @@ std::vector<Bvh> BatchBuilder::State::build(std::span<const Mesh> meshes, BuildS
             result = launcher.finish();
             download(placement, plan, job, trees);
         });
-        result.peak_device_bytes = plan.nodes + plan.primitive_ids + plan.active_counts + plan.scratch_bytes();
+        result.peak_device_bytes = plan.nodes + plan.primitive_ids + plan.active_counts + plan.scratch;
     }
     if (stats != nullptr) *stats = result;
     return trees;
@@ -271,7 +272,7 @@ std::vector<Bvh> BatchBuilder::build(std::span<const Mesh> meshes, BuildStats* s
 DeviceBuildSizes BatchBuilder::sizes(std::uint64_t primitive_count, std::uint64_t tree_count) const {
     state_->check_size(primitive_count, tree_count);
     const BatchPlan plan = device::plan_batch(primitive_count, tree_count);
-    return {plan.nodes, plan.primitive_ids, plan.scratch_bytes()};
+    return {plan.nodes, plan.primitive_ids, plan.scratch};
 }
 
 std::uint64_t BatchBuilder::alignment() const noexcept {
@@ -282,23 +283,21 @@ void BatchBuilder::enqueue(cl_command_queue queue, const DeviceInput& input, con
                            const DeviceSpan& scratch, const DeviceResult& result, std::span<const cl_event> wait_list,
                            cl_event* event) {
     const State& state = *state_;
-    device::with_opencl_errors("enqueuing a batch", [&] {
-        Session& session = state.context.session();
-        device::check_queue(session, queue);
-        device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
-        if (device::count_of(input) == 0 && batch.tree_count > 0) {
-            const CallerMemory counts = device::look_at(session, "the active count", result.active_count,
-                                                        batch.tree_count * std::uint64_t{sizeof(cl_uint)});
-            device::check_multiple("the active count's offset", result.active_count.offset, 0, sizeof(cl_uint));
-            launcher.clear_uints(counts.buffer, counts.offset, batch.tree_count);
-        } else if (batch.tree_count > 0) {
-            const BatchJob job = state.check(input, batch, scratch, result);
-            launcher.begin_stage("batch", 0.0);
-            device::launch_batch(launcher, state.settings, device::plan_batch(job.mesh.primitive_count, job.tree_count),
-                                 job);
-        }
-        launcher.hand_over_end(event);
-    });
+    Session& session = state.context.session();
+    device::enqueue_for_caller(
+        "enqueuing a batch", session, {queue, wait_list, event}, [&](device::Launcher& launcher) {
+            if (device::count_of(input) == 0 && batch.tree_count > 0) {
+                const CallerMemory counts = device::examine(session, "the active count", result.active_count,
+                                                            batch.tree_count * std::uint64_t{sizeof(cl_uint)});
+                device::check_multiple("the active count's offset", result.active_count.offset, 0, sizeof(cl_uint));
+                launcher.clear_uints(counts.given.buffer, counts.given.offset, batch.tree_count);
+            } else if (batch.tree_count > 0) {
+                const BatchJob job = state.check(input, batch, scratch, result);
+                launcher.begin_stage("batch", 0.0);
+                device::launch_batch(launcher, state.settings,
+                                     device::plan_batch(job.mesh.primitive_count, job.tree_count), job);
+            }
+        });
 }
 
 const BuildOptions& BatchBuilder::options() const noexcept {

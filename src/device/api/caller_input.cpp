@@ -16,8 +16,8 @@ std::uint64_t used_bytes(std::uint64_t count, std::uint64_t stride, std::uint64_
 }
 
 void set_vertices(DeviceMesh& mesh, const CallerMemory& memory, std::uint32_t stride) {
-    mesh.vertices = memory.buffer;
-    mesh.vertex_offset = memory.offset;
+    mesh.vertices = memory.given.buffer;
+    mesh.vertex_offset = memory.given.offset;
     mesh.vertex_stride = stride;
 }
 
@@ -25,7 +25,7 @@ CallerInput check_form(const Session& session, const DeviceBoxes& input) {
     check_multiple("the boxes' offset", input.boxes.offset, 0, kFloat);
     check_multiple("the boxes' stride", input.stride, sizeof(Aabb), kFloat);
     CallerInput checked;
-    checked.vertices = look_at(session, "the boxes", input.boxes, used_bytes(input.count, input.stride, sizeof(Aabb)));
+    checked.vertices = examine(session, "the boxes", input.boxes, used_bytes(input.count, input.stride, sizeof(Aabb)));
     checked.mesh.form = InputForm::boxes;
     set_vertices(checked.mesh, checked.vertices, input.stride);
     return checked;
@@ -38,7 +38,7 @@ CallerInput check_form(const Session& session, const DeviceTriangles& input) {
     const std::uint64_t least_vertices = is_indexed ? 1 : 3 * std::uint64_t{input.count};
     CallerInput checked;
     checked.vertices =
-        look_at(session, "the vertices", input.vertices, used_bytes(least_vertices, input.vertex_stride, sizeof(Vec3)));
+        examine(session, "the vertices", input.vertices, used_bytes(least_vertices, input.vertex_stride, sizeof(Vec3)));
     set_vertices(checked.mesh, checked.vertices, input.vertex_stride);
     if (!is_indexed) {
         checked.mesh.form = InputForm::triangles;
@@ -49,9 +49,9 @@ CallerInput check_form(const Session& session, const DeviceTriangles& input) {
     const std::uint64_t stride = input.index_stride != 0 ? input.index_stride : 3 * index_bytes;
     check_multiple("the indices' offset", input.indices.offset, 0, index_bytes);
     check_multiple("the indices' stride", stride, 3 * index_bytes, index_bytes);
-    checked.indices = look_at(session, "the indices", input.indices, used_bytes(input.count, stride, 3 * index_bytes));
+    checked.indices = examine(session, "the indices", input.indices, used_bytes(input.count, stride, 3 * index_bytes));
     checked.mesh.form = is_short ? InputForm::indexed_16 : InputForm::indexed_32;
-    checked.mesh.triangles = checked.indices.buffer;
+    checked.mesh.triangles = checked.indices.given.buffer;
     checked.mesh.triangle_offset = input.indices.offset;
     checked.mesh.triangle_stride = static_cast<std::uint32_t>(stride);
     return checked;
@@ -62,34 +62,13 @@ CallerInput check_form(const Session& session, const DeviceTriangles& input) {
 CallerInput check_input(const Session& session, const DeviceInput& input) {
     CallerInput checked = std::visit([&](const auto& primitives) { return check_form(session, primitives); }, input);
     check_readable(checked.vertices);
-    if (checked.indices.buffer() != nullptr) check_readable(checked.indices);
+    if (checked.indices.is_there()) check_readable(checked.indices);
     checked.mesh.primitive_count = checked.mesh.active_count = count_of(input);
     return checked;
 }
 
 std::uint32_t count_of(const DeviceInput& input) {
     return std::visit([](const auto& primitives) { return primitives.count; }, input);
-}
-
-void check_queue(const Session& session, cl_command_queue queue) {
-    if (queue == nullptr) throw Error(ErrorCode::invalid_input, "the queue is null");
-    const cl::CommandQueue given(queue, true);
-    if (given.getInfo<CL_QUEUE_CONTEXT>()() != session.context()()) {
-        throw Error(ErrorCode::invalid_input, "the queue belongs to another OpenCL context than the kernels");
-    }
-    if (given.getInfo<CL_QUEUE_DEVICE>()() != session.info().id) {
-        throw Error(ErrorCode::invalid_input,
-                    "the queue is not one of the device that the kernels are for, " + session.info().name);
-    }
-}
-
-std::vector<cl::Event> copy_events(std::span<const cl_event> events) {
-    std::vector<cl::Event> copies;
-    for (cl_event event : events) {
-        if (event == nullptr) throw Error(ErrorCode::invalid_input, "the wait list has a null event");
-        copies.emplace_back(event, true);
-    }
-    return copies;
 }
 
 void check_device_options(std::string_view who, const BuildOptions& options) {

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <span>
 #include <string_view>
-#include <vector>
 
+#include "clbvh/core/build_options.hpp"
 #include "device/api/caller_memory.hpp"
+#include "device/opencl/device_mesh.hpp"
 
 namespace clbvh::device {
 
@@ -19,12 +19,6 @@ struct CallerInput {
 [[nodiscard]] CallerInput check_input(const Session& session, const DeviceInput& input);
 
 [[nodiscard]] std::uint32_t count_of(const DeviceInput& input);
-
-/// Throws Error(invalid_input) where `queue` is not one of the session's context and device.
-void check_queue(const Session& session, cl_command_queue queue);
-
-/// Throws Error(invalid_input) where an event is null.
-[[nodiscard]] std::vector<cl::Event> copy_events(std::span<const cl_event> events);
 
 /// Throws Error(unsupported) where `options` ask for work of the host around the build; `who` leaves it out.
 void check_device_options(std::string_view who, const BuildOptions& options);

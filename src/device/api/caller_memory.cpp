@@ -36,27 +36,27 @@ bool have_common_bytes(const CallerMemory& a, const CallerMemory& b) {
 
 }  // namespace
 
-CallerMemory look_at(const Session& session, std::string_view name, const DeviceSpan& span, std::uint64_t bytes) {
+CallerMemory examine(const Session& session, std::string_view name, const DeviceSpan& span, std::uint64_t bytes) {
     if (span.buffer == nullptr) refuse(name, "has no buffer");
     return with_opencl_errors(name, [&] {
         CallerMemory memory;
         memory.name = name;
-        memory.buffer = cl::Buffer(span.buffer, true);
-        memory.offset = span.offset;
+        const cl::Buffer buffer(span.buffer, true);
+        memory.given = {buffer, span.offset};
         memory.bytes = bytes;
-        if (memory.buffer.getInfo<CL_MEM_TYPE>() != CL_MEM_OBJECT_BUFFER) refuse(name, "is an image, not a buffer");
-        if (memory.buffer.getInfo<CL_MEM_CONTEXT>()() != session.context()()) {
+        if (buffer.getInfo<CL_MEM_TYPE>() != CL_MEM_OBJECT_BUFFER) refuse(name, "is an image, not a buffer");
+        if (buffer.getInfo<CL_MEM_CONTEXT>()() != session.context()()) {
             refuse(name, "belongs to another OpenCL context than the kernels");
         }
-        const std::uint64_t size = memory.buffer.getInfo<CL_MEM_SIZE>();
+        const std::uint64_t size = buffer.getInfo<CL_MEM_SIZE>();
         if (span.offset > size || bytes > size - span.offset) {
             refuse(name, "needs " + std::to_string(bytes) + " bytes from offset " + std::to_string(span.offset) +
                              " on, but its buffer ends after " + std::to_string(size));
         }
-        const cl_mem_flags flags = memory.buffer.getInfo<CL_MEM_FLAGS>();
+        const cl_mem_flags flags = buffer.getInfo<CL_MEM_FLAGS>();
         memory.is_readable = (flags & CL_MEM_WRITE_ONLY) == 0;
         memory.is_read_write = (flags & (CL_MEM_READ_ONLY | CL_MEM_WRITE_ONLY)) == 0;
-        memory.place = place_of(memory.buffer, span.offset);
+        memory.place = place_of(buffer, span.offset);
         return memory;
     });
 }
@@ -83,9 +83,9 @@ void check_readable(const CallerMemory& memory) {
     if (!memory.is_readable) refuse(memory.name, "must not be a buffer with CL_MEM_WRITE_ONLY: kernels read it");
 }
 
-void check_not_cut(const CallerMemory& memory, std::initializer_list<CallerMemory> cut) {
+void check_in_other_buffer(const CallerMemory& memory, std::initializer_list<CallerMemory> cut) {
     for (const CallerMemory& other : cut) {
-        if (memory.buffer() != nullptr && memory.buffer() == other.place.buffer()) {
+        if (memory.is_there() && memory.given.buffer() == other.place.buffer()) {
             refuse(memory.name, "and " + std::string(other.name) +
                                     " lie in one buffer, of which kernels write parts as sub-buffers; give the former "
                                     "a sub-buffer of its own, or another buffer");

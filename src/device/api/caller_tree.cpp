@@ -4,19 +4,19 @@
 
 namespace clbvh::device {
 
-CallerMemory look_at_active_count(const Session& session, const DeviceSpan& span) {
+CallerMemory examine_active_count(const Session& session, const DeviceSpan& span) {
     if (span.buffer == nullptr) return {};
     check_multiple("the active count's offset", span.offset, 0, sizeof(cl_uint));
-    return look_at(session, "the active count", span, sizeof(cl_uint));
+    return examine(session, "the active count", span, sizeof(cl_uint));
 }
 
-CallerTree check_tree(const Session& session, const DeviceNodes& given, std::uint64_t alignment) {
+CallerTree check_tree(const Session& session, const DeviceBvh& given, std::uint64_t alignment) {
     CallerTree checked;
-    checked.nodes = look_at(session, "the nodes", given.nodes, sizeof(Node) * std::uint64_t{given.node_count});
+    checked.nodes = examine(session, "the nodes", given.nodes, sizeof(Node) * std::uint64_t{given.node_count});
     check_views_allowed(checked.nodes, alignment);
-    checked.active_count = look_at_active_count(session, given.active_count);
+    checked.active_count = examine_active_count(session, given.active_count);
     check_readable(checked.active_count);
-    checked.tree.active_count = {checked.active_count.buffer, checked.active_count.offset};
+    checked.tree.active_count = checked.active_count.given;
     checked.tree.nodes = view_of(checked.nodes.place, 0, checked.nodes.bytes);
     checked.tree.node_count = given.node_count;
     return checked;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "clbvh/device/device_optimizer.hpp"
 #include "device/api/caller_memory.hpp"
 #include "device/tree/parents.hpp"
 
@@ -14,10 +13,10 @@ struct CallerTree {
 };
 
 /// Looks at where a tree's active count is, which may be nowhere. Throws Error(invalid_input) that names what is wrong.
-[[nodiscard]] CallerMemory look_at_active_count(const Session& session, const DeviceSpan& span);
+[[nodiscard]] CallerMemory examine_active_count(const Session& session, const DeviceSpan& span);
 
 /// Looks at a tree of at least one node that kernels write through views, and whose active count they read. Throws
 /// Error(invalid_input) that names what is wrong; everything but values is checked.
-[[nodiscard]] CallerTree check_tree(const Session& session, const DeviceNodes& given, std::uint64_t alignment);
+[[nodiscard]] CallerTree check_tree(const Session& session, const DeviceBvh& given, std::uint64_t alignment);
 
 }  // namespace clbvh::device

@@ -10,12 +10,14 @@
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/presets.hpp"
 #include "device/api/caller_input.hpp"
+#include "device/api/caller_queue.hpp"
 #include "device/api/caller_tree.hpp"
 #include "device/build/pipeline.hpp"
 
 namespace clbvh {
 namespace {
 
+using device::Block;
 using device::CallerMemory;
 
 /// A preset may ask for what its caller did not name.
@@ -41,6 +43,13 @@ const BuilderRow& device_row(std::string_view id, const BuildOptions& given) {
     return row;
 }
 
+/// A build in the caller's memory, looked at.
+struct CheckedBuild {
+    device::DeviceMesh mesh;  ///< without primitives nothing is built
+    Block nodes, primitive_ids, scratch;
+    Block active_count;  ///< where to put the number of active primitives; may have no buffer
+};
+
 }  // namespace
 
 struct CLBVH_NO_EXPORT DeviceBuilder::State {
@@ -62,19 +71,16 @@ struct CLBVH_NO_EXPORT DeviceBuilder::State {
                 count_bytes() + std::max(planned.scratch_bytes(), optimizers.scratch_bytes(2 * primitives))};
     }
     /// At the beginning of the scratch: the number of leaves, for optimisers, whose scratch is the builder's again.
-    [[nodiscard]] std::uint64_t count_bytes() const {
-        return optimizers.empty() ? 0 : device::align_for_views(sizeof(cl_uint));
-    }
-    [[nodiscard]] device::Block behind_count(const device::Block& scratch) const {
-        return {scratch.buffer, scratch.offset + count_bytes()};
-    }
+    [[nodiscard]] std::uint64_t count_bytes() const { return optimizers.empty() ? 0 : device::kViewAlignment; }
     [[nodiscard]] bool fits(std::uint32_t primitives) const {
         const DeviceBuildSizes needed = sizes(primitives);
         return std::max({needed.nodes, needed.primitive_ids, needed.scratch}) <= context.device().max_allocation_bytes;
     }
     [[nodiscard]] std::uint32_t most_primitives() const;
-    device::CallerBuild check(const DeviceInput& input, const DeviceSpan& scratch, const DeviceResult& result) const;
-    void launch_optimizers(device::Launcher& launcher, const device::CallerBuild& build) const;
+    [[nodiscard]] CheckedBuild check(const DeviceInput& input, const DeviceSpan& scratch,
+                                     const DeviceResult& result) const;
+    void launch(device::Launcher& launcher, const CheckedBuild& build) const;
+    void launch_optimizers(device::Launcher& launcher, const CheckedBuild& build) const;
 
     BuildOptions options;
     const BuilderRow& row;
@@ -93,38 +99,55 @@ std::uint32_t DeviceBuilder::State::most_primitives() const {
     return fitting;
 }
 
-device::CallerBuild DeviceBuilder::State::check(const DeviceInput& input, const DeviceSpan& scratch,
-                                                const DeviceResult& result) const {
+CheckedBuild DeviceBuilder::State::check(const DeviceInput& input, const DeviceSpan& scratch,
+                                         const DeviceResult& result) const {
     const device::Session& session = context.session();
     const std::uint32_t count = device::count_of(input);
-    device::CallerBuild build;
-    const CallerMemory active_count = device::look_at_active_count(session, result.active_count);
-    build.active_count = {active_count.buffer, active_count.offset};
+    CheckedBuild build;
+    const CallerMemory active_count = device::examine_active_count(session, result.active_count);
+    build.active_count = active_count.given;
     if (count == 0) return build;
     const DeviceBuildSizes needed = sizes(count);
     const device::CallerInput checked = device::check_input(session, input);
-    const CallerMemory nodes = device::look_at(session, "the nodes", result.nodes, needed.nodes);
-    const CallerMemory ids = device::look_at(session, "the primitive ids", result.primitive_ids, needed.primitive_ids);
-    const CallerMemory rest = device::look_at(session, "the scratch", scratch, needed.scratch);
+    const CallerMemory nodes = device::examine(session, "the nodes", result.nodes, needed.nodes);
+    const CallerMemory ids = device::examine(session, "the primitive ids", result.primitive_ids, needed.primitive_ids);
+    const CallerMemory rest = device::examine(session, "the scratch", scratch, needed.scratch);
     for (const CallerMemory& memory : {nodes, ids, rest})
         device::check_views_allowed(memory, alignment);
     device::check_apart({nodes, ids, rest, checked.vertices, active_count});
     device::check_apart({nodes, ids, rest, checked.indices, active_count});
     for (const CallerMemory& memory : {checked.vertices, checked.indices})
-        device::check_not_cut(memory, {nodes, ids, rest});
+        device::check_in_other_buffer(memory, {nodes, ids, rest});
     build.mesh = checked.mesh;
-    build.plan = plan(count);
-    if (!optimizers.empty()) build.kept_count = rest.place;
-    build.memory = device::cut_scratch(nodes.place, ids.place, behind_count(rest.place), build.plan);
+    build.nodes = nodes.place;
+    build.primitive_ids = ids.place;
+    build.scratch = rest.place;
     return build;
 }
 
-void DeviceBuilder::State::launch_optimizers(device::Launcher& launcher, const device::CallerBuild& build) const {
-    if (optimizers.empty() || build.mesh.primitive_count == 0) return;
-    const device::TreeNodes tree{device::view_of(build.memory.nodes, 0, build.plan.nodes),
-                                 2 * build.mesh.primitive_count,
-                                 {device::view_of(build.kept_count, 0, sizeof(cl_uint))}};
-    optimizers.launch(launcher, tree, behind_count(build.kept_count), 0.95);
+void DeviceBuilder::State::launch(device::Launcher& launcher, const CheckedBuild& build) const {
+    if (build.mesh.primitive_count == 0) {
+        if (build.active_count.is_there())
+            launcher.clear_uints(build.active_count.buffer, build.active_count.offset, 1);
+        return;
+    }
+    const device::MemoryPlan planned = plan(build.mesh.primitive_count);
+    const device::BuildBuffers buffers = device::cut_views(
+        device::cut_scratch(build.nodes, build.primitive_ids, build.scratch.behind(count_bytes()), planned), planned);
+    device::enqueue_pipeline(launcher, *row.device_algorithm, settings, build.mesh, buffers);
+    const auto copy_count = [&](const Block& to) { launcher.copy_uint(buffers.leaf_count, 0, to.buffer, to.offset); };
+    if (build.active_count.is_there()) copy_count(build.active_count);
+    if (optimizers.empty()) return;
+    copy_count(build.scratch);
+    launch_optimizers(launcher, build);
+}
+
+void DeviceBuilder::State::launch_optimizers(device::Launcher& launcher, const CheckedBuild& build) const {
+    const std::uint32_t node_count = 2 * build.mesh.primitive_count;
+    const device::TreeNodes tree{device::view_of(build.nodes, 0, sizeof(Node) * std::uint64_t{node_count}),
+                                 node_count,
+                                 {device::view_of(build.scratch, 0, sizeof(cl_uint))}};
+    optimizers.launch(launcher, tree, build.scratch.behind(count_bytes()), 0.95);
 }
 
 DeviceBuilder::DeviceBuilder(std::string_view builder_id, Context context, const BuildOptions& options)
@@ -156,16 +179,11 @@ std::uint64_t DeviceBuilder::alignment() const noexcept {
 void DeviceBuilder::enqueue(cl_command_queue queue, const DeviceInput& input, const DeviceSpan& scratch,
                             const DeviceResult& result, std::span<const cl_event> wait_list, cl_event* event) {
     const State& state = *state_;
-    device::with_opencl_errors("enqueuing a build", [&] {
-        device::Session& session = state.context.session();
-        device::check_queue(session, queue);
-        (void)sizes(device::count_of(input));
-        const device::CallerBuild build = state.check(input, scratch, result);
-        device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
-        device::enqueue_pipeline(launcher, *state.row.device_algorithm, state.settings, build);
-        state.launch_optimizers(launcher, build);
-        launcher.hand_over_end(event);
-    });
+    device::enqueue_for_caller("enqueuing a build", state.context.session(), {queue, wait_list, event},
+                               [&](device::Launcher& launcher) {
+                                   (void)sizes(device::count_of(input));
+                                   state.launch(launcher, state.check(input, scratch, result));
+                               });
 }
 
 const BuilderInfo& DeviceBuilder::info() const noexcept {

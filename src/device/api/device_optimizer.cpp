@@ -9,7 +9,7 @@
 #include "clbvh/core/error.hpp"
 #include "core/memory_errors.hpp"
 #include "core/tree_walk.hpp"
-#include "device/api/caller_input.hpp"
+#include "device/api/caller_queue.hpp"
 #include "device/api/caller_tree.hpp"
 #include "device/opencl/device_memory.hpp"
 #include "device/tree/optimize.hpp"
@@ -61,7 +61,7 @@ struct CLBVH_NO_EXPORT DeviceOptimizer::State {
         return bytes;
     }
     /// Throws where something is wrong with the arguments.
-    void launch(device::Launcher& launcher, const DeviceNodes& tree, const DeviceSpan& scratch) const;
+    void launch(device::Launcher& launcher, const DeviceBvh& tree, const DeviceSpan& scratch) const;
     void run(std::vector<Node>& nodes) const;
 
     Context context;
@@ -70,7 +70,7 @@ struct CLBVH_NO_EXPORT DeviceOptimizer::State {
     std::uint64_t alignment;
 };
 
-void DeviceOptimizer::State::launch(device::Launcher& launcher, const DeviceNodes& tree,
+void DeviceOptimizer::State::launch(device::Launcher& launcher, const DeviceBvh& tree,
                                     const DeviceSpan& scratch) const {
     const device::Session& session = context.session();
     const std::uint64_t scratch_needed = scratch_bytes(tree.node_count);
@@ -78,11 +78,11 @@ void DeviceOptimizer::State::launch(device::Launcher& launcher, const DeviceNode
     const device::CallerTree checked = device::check_tree(session, tree, alignment);
     CallerMemory rest;
     if (scratch_needed > 0) {
-        rest = device::look_at(session, "the scratch", scratch, scratch_needed);
+        rest = device::examine(session, "the scratch", scratch, scratch_needed);
         device::check_views_allowed(rest, alignment);
     }
     device::check_apart({checked.nodes, rest, checked.active_count});
-    device::check_not_cut(checked.active_count, {checked.nodes, rest});
+    device::check_in_other_buffer(checked.active_count, {checked.nodes, rest});
     optimizers.launch(launcher, checked.tree, rest.place, 0.0);
 }
 
@@ -117,16 +117,11 @@ std::uint64_t DeviceOptimizer::alignment() const noexcept {
     return state_->alignment;
 }
 
-void DeviceOptimizer::enqueue(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& scratch,
+void DeviceOptimizer::enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& scratch,
                               std::span<const cl_event> wait_list, cl_event* event) {
     const State& state = *state_;
-    device::with_opencl_errors("enqueuing optimizers", [&] {
-        device::Session& session = state.context.session();
-        device::check_queue(session, queue);
-        device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
-        state.launch(launcher, tree, scratch);
-        launcher.hand_over_end(event);
-    });
+    device::enqueue_for_caller("enqueuing optimizers", state.context.session(), {queue, wait_list, event},
+                               [&](device::Launcher& launcher) { state.launch(launcher, tree, scratch); });
 }
 
 Bvh DeviceOptimizer::optimize(Bvh tree) {

@@ -1,16 +1,18 @@
 #include "clbvh/device/device_refitter.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "device/api/caller_input.hpp"
+#include "device/api/caller_queue.hpp"
 #include "device/api/caller_tree.hpp"
+#include "device/build/bounds.hpp"
 #include "device/tree/refit.hpp"
 #include "metrics/check_costs.hpp"
 
 namespace clbvh {
 namespace {
 
-using device::Block;
 using device::CallerMemory;
 using device::RefitSettings;
 using device::Session;
@@ -18,27 +20,26 @@ using device::Session;
 RefitSettings prepare_refitting(Session& session, const DeviceRefitterOptions& options) {
     check_costs(options.costs);
     const RefitSettings settings = device::resolve_refit_settings(session, options.shape, options.costs);
-    session.prepare({device::refit_programs(settings)});
+    std::vector<device::ProgramSpec> programs{device::bounds_program(settings)};
+    for (device::ProgramSpec& program : device::refit_programs(settings))
+        programs.push_back(std::move(program));
+    session.prepare({programs});
     return settings;
 }
 
 /// Memory of the caller's that kernels use through views, looked at.
 CallerMemory check_views(const Session& session, std::string_view name, const DeviceSpan& span, std::uint64_t bytes,
                          std::uint64_t alignment) {
-    CallerMemory memory = device::look_at(session, name, span, bytes);
+    CallerMemory memory = device::examine(session, name, span, bytes);
     device::check_views_allowed(memory, alignment);
     return memory;
 }
 
 CallerMemory check_sah(const Session& session, const DeviceSpan& span, std::uint64_t floats) {
     device::check_multiple("the costs' offset", span.offset, 0, sizeof(float));
-    CallerMemory memory = device::look_at(session, "the costs", span, floats * sizeof(float));
+    CallerMemory memory = device::examine(session, "the costs", span, floats * sizeof(float));
     device::check_read_write(memory);
     return memory;
-}
-
-Block block_of(const CallerMemory& memory) {
-    return {memory.buffer, memory.offset};
 }
 
 }  // namespace
@@ -50,19 +51,28 @@ struct CLBVH_NO_EXPORT DeviceRefitter::State {
           settings(prepare_refitting(context.session(), options)),
           alignment(device::view_alignment(context.session())) {}
 
-    /// Calls `launch` with a launcher on `queue` behind `wait_list`, where there are nodes, and hands over the end.
-    template <typename Launch>
-    void enqueue(std::string_view what, cl_command_queue queue, std::span<const cl_event> wait_list, cl_event* event,
-                 const Launch& launch) const {
-        device::with_opencl_errors(what, [&] {
-            Session& session = context.session();
-            device::check_queue(session, queue);
-            device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
-            launch(session, launcher);
-            launcher.hand_over_end(event);
-        });
+    void enqueue(std::string_view what, const device::CallerQueue& on,
+                 const std::function<void(device::Launcher&)>& launch) const {
+        device::enqueue_for_caller(what, context.session(), on, launch);
     }
-    void refit(Session& session, device::Launcher& launcher, const DeviceNodes& given, const DeviceRefit& refit) const;
+    /// What a refit's scratch holds: the boxes of the primitives, then what the refit itself takes.
+    struct Scratch {
+        device::BuildBuffers bounds;
+        device::RefitScratch refit;
+    };
+    [[nodiscard]] Scratch cut_scratch(device::ArrayLayout& layout, std::uint32_t node_count,
+                                      std::uint32_t primitives) const {
+        Scratch scratch;
+        scratch.bounds = device::cut_bounds(layout, primitives);
+        scratch.refit = device::cut_refit_scratch(layout, settings, node_count);
+        return scratch;
+    }
+    [[nodiscard]] std::uint64_t scratch_bytes(std::uint32_t node_count, std::uint32_t primitives) const {
+        device::ArrayLayout layout;
+        (void)cut_scratch(layout, node_count, primitives);
+        return layout.bytes();
+    }
+    void refit(device::Launcher& launcher, const DeviceBvh& given, const DeviceRefit& refit) const;
 
     Context context;
     DeviceRefitterOptions options;
@@ -70,30 +80,33 @@ struct CLBVH_NO_EXPORT DeviceRefitter::State {
     std::uint64_t alignment;
 };
 
-void DeviceRefitter::State::refit(Session& session, device::Launcher& launcher, const DeviceNodes& given,
-                                  const DeviceRefit& refit) const {
+void DeviceRefitter::State::refit(device::Launcher& launcher, const DeviceBvh& given, const DeviceRefit& refit) const {
+    const Session& session = context.session();
     const CallerMemory sah = check_sah(session, refit.sah, 2);
     const std::uint32_t primitives = device::count_of(refit.input);
-    if (given.node_count == 0 || refit.reference_count == 0 || primitives == 0) {
+    if (given.node_count == 0 || given.reference_count == 0 || primitives == 0) {
         launcher.begin_stage("refit", 0.0);
-        launcher.clear_uints(sah.buffer, sah.offset, 2);
+        launcher.clear_uints(sah.given.buffer, sah.given.offset, 2);
         return;
     }
     const device::CallerTree tree = device::check_tree(session, given, alignment);
-    const CallerMemory ids = check_views(session, "the primitive ids", refit.primitive_ids,
-                                         sizeof(cl_uint) * std::uint64_t{refit.reference_count}, alignment);
+    const CallerMemory ids = check_views(session, "the primitive ids", given.primitive_ids,
+                                         sizeof(cl_uint) * std::uint64_t{given.reference_count}, alignment);
     const CallerMemory order = check_views(session, "the order", refit.order,
                                            device::refit_order_bytes(settings, given.node_count), alignment);
     const CallerMemory scratch =
-        check_views(session, "the scratch", refit.scratch,
-                    device::refit_scratch_bytes(settings, given.node_count, primitives), alignment);
+        check_views(session, "the scratch", refit.scratch, scratch_bytes(given.node_count, primitives), alignment);
     const device::CallerInput input = device::check_input(session, refit.input);
     device::check_apart({tree.nodes, ids, order, scratch, sah, input.vertices, tree.active_count});
     device::check_apart({tree.nodes, ids, order, scratch, sah, input.indices, tree.active_count});
     for (const CallerMemory& memory : {input.vertices, input.indices, tree.active_count, sah})
-        device::check_not_cut(memory, {tree.nodes, ids, order, scratch});
-    device::launch_refit(launcher, settings, tree.tree, device::view_of(ids.place, 0, ids.bytes), input.mesh,
-                         order.place, scratch.place, block_of(sah));
+        device::check_in_other_buffer(memory, {tree.nodes, ids, order, scratch});
+    device::ArrayLayout layout(scratch.place);
+    const Scratch views = cut_scratch(layout, given.node_count, primitives);
+    launcher.begin_stage("refit", 0.0);
+    device::launch_bounds(launcher, settings, views.bounds, input.mesh);
+    device::launch_refit(launcher, settings, tree.tree, device::view_of(ids.place, 0, ids.bytes), views.bounds.boxes,
+                         order.place, views.refit, sah.given);
 }
 
 DeviceRefitter::DeviceRefitter(Context context, const DeviceRefitterOptions& options)
@@ -103,53 +116,54 @@ DeviceRefitter& DeviceRefitter::operator=(DeviceRefitter&&) noexcept = default;
 DeviceRefitter::~DeviceRefitter() = default;
 
 DeviceRefitSizes DeviceRefitter::sizes(std::uint32_t node_count, std::uint32_t primitive_count) const noexcept {
-    return {device::refit_order_bytes(state_->settings, node_count),
-            device::refit_scratch_bytes(state_->settings, node_count, primitive_count),
-            device::quality_scratch_bytes(node_count)};
+    return {device::refit_order_bytes(state_->settings, node_count), state_->scratch_bytes(node_count, primitive_count),
+            device::cost_scratch_bytes(node_count)};
 }
 
 std::uint64_t DeviceRefitter::alignment() const noexcept {
     return state_->alignment;
 }
 
-void DeviceRefitter::enqueue_order(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& order,
+void DeviceRefitter::enqueue_order(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& order,
                                    std::span<const cl_event> wait_list, cl_event* event) {
     const State& state = *state_;
-    state.enqueue("enqueuing an order", queue, wait_list, event, [&](Session& session, device::Launcher& launcher) {
+    const Session& session = state.context.session();
+    state.enqueue("enqueuing an order", {queue, wait_list, event}, [&](device::Launcher& launcher) {
         if (tree.node_count == 0) return;
         const device::CallerTree checked = device::check_tree(session, tree, state.alignment);
         const CallerMemory out = check_views(
             session, "the order", order, device::refit_order_bytes(state.settings, tree.node_count), state.alignment);
         device::check_apart({checked.nodes, out, checked.active_count});
-        device::check_not_cut(checked.active_count, {checked.nodes, out});
+        device::check_in_other_buffer(checked.active_count, {checked.nodes, out});
         device::launch_refit_order(launcher, state.settings, checked.tree, out.place);
     });
 }
 
-void DeviceRefitter::enqueue(cl_command_queue queue, const DeviceNodes& tree, const DeviceRefit& refit,
+void DeviceRefitter::enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceRefit& refit,
                              std::span<const cl_event> wait_list, cl_event* event) {
     const State& state = *state_;
-    state.enqueue("enqueuing a refit", queue, wait_list, event,
-                  [&](Session& session, device::Launcher& launcher) { state.refit(session, launcher, tree, refit); });
+    state.enqueue("enqueuing a refit", {queue, wait_list, event},
+                  [&](device::Launcher& launcher) { state.refit(launcher, tree, refit); });
 }
 
-void DeviceRefitter::enqueue_quality(cl_command_queue queue, const DeviceNodes& tree, const DeviceSpan& scratch,
-                                     const DeviceSpan& sah, std::span<const cl_event> wait_list, cl_event* event) {
+void DeviceRefitter::enqueue_cost(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& scratch,
+                                  const DeviceSpan& sah, std::span<const cl_event> wait_list, cl_event* event) {
     const State& state = *state_;
-    state.enqueue("enqueuing a cost", queue, wait_list, event, [&](Session& session, device::Launcher& launcher) {
+    const Session& session = state.context.session();
+    state.enqueue("enqueuing a cost", {queue, wait_list, event}, [&](device::Launcher& launcher) {
         const CallerMemory cost = check_sah(session, sah, 1);
         if (tree.node_count == 0) {
-            launcher.begin_stage("quality", 0.0);
-            launcher.clear_uints(cost.buffer, cost.offset, 1);
+            launcher.begin_stage("cost", 0.0);
+            launcher.clear_uints(cost.given.buffer, cost.given.offset, 1);
             return;
         }
         const device::CallerTree checked = device::check_tree(session, tree, state.alignment);
-        const CallerMemory rest = check_views(session, "the scratch", scratch,
-                                              device::quality_scratch_bytes(tree.node_count), state.alignment);
+        const CallerMemory rest =
+            check_views(session, "the scratch", scratch, device::cost_scratch_bytes(tree.node_count), state.alignment);
         device::check_apart({checked.nodes, rest, cost, checked.active_count});
         for (const CallerMemory& memory : {checked.active_count, cost})
-            device::check_not_cut(memory, {checked.nodes, rest});
-        device::launch_quality(launcher, state.settings, checked.tree, rest.place, block_of(cost));
+            device::check_in_other_buffer(memory, {checked.nodes, rest});
+        device::launch_tree_cost(launcher, state.settings, checked.tree, rest.place, cost.given);
     });
 }
 

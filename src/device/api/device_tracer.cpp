@@ -5,8 +5,10 @@
 #include <utility>
 
 #include "clbvh/core/error.hpp"
+#include "core/check_length.hpp"
 #include "core/memory_errors.hpp"
 #include "device/api/caller_input.hpp"
+#include "device/api/caller_queue.hpp"
 #include "device/trace/host_scene.hpp"
 #include "device/trace/trace.hpp"
 #include "trace/check_tree.hpp"
@@ -14,8 +16,8 @@
 namespace clbvh {
 namespace {
 
-using device::Block;
 using device::CallerMemory;
+using device::Launcher;
 using device::Session;
 using device::TraceRays;
 using device::TraceScene;
@@ -32,71 +34,67 @@ TraceSettings prepare_tracing(Session& session, const DeviceTracerOptions& optio
 }
 
 /// Memory that was looked at and begins where its elements may.
-CallerMemory look_at_array(const Session& session, std::string_view name, const DeviceSpan& span, std::uint64_t bytes,
+CallerMemory examine_array(const Session& session, std::string_view name, const DeviceSpan& span, std::uint64_t bytes,
                            std::uint64_t alignment) {
-    CallerMemory memory = device::look_at(session, name, span, bytes);
+    CallerMemory memory = device::examine(session, name, span, bytes);
     device::check_aligned(memory, alignment);
     return memory;
 }
 
 /// The same, of what kernels read.
-CallerMemory look_at_input(const Session& session, std::string_view name, const DeviceSpan& span, std::uint64_t bytes,
+CallerMemory examine_input(const Session& session, std::string_view name, const DeviceSpan& span, std::uint64_t bytes,
                            std::uint64_t alignment) {
-    CallerMemory memory = look_at_array(session, name, span, bytes, alignment);
+    CallerMemory memory = examine_array(session, name, span, bytes, alignment);
     device::check_readable(memory);
     return memory;
-}
-
-Block block_of(const CallerMemory& memory) {
-    return {memory.buffer, memory.offset};
 }
 
 /// A scene of the caller's, looked at.
 struct CheckedScene {
     TraceScene scene;
-    CallerMemory nodes, primitive_ids, vertices, indices, copy;
+    CallerMemory nodes, primitive_ids, vertices, indices, layout;
 
     void check_apart_from(const CallerMemory& written) const {
-        for (const CallerMemory& read : {nodes, primitive_ids, vertices, indices, copy})
+        for (const CallerMemory& read : {nodes, primitive_ids, vertices, indices, layout})
             device::check_apart({written, read});
     }
 };
 
 void check_references(const Session& session, const DeviceScene& given, CheckedScene& checked) {
     device::check_multiple("the primitive ids' offset", given.bvh.primitive_ids.offset, 0, sizeof(cl_uint));
-    checked.primitive_ids = device::look_at(session, "the primitive ids", given.bvh.primitive_ids,
+    checked.primitive_ids = device::examine(session, "the primitive ids", given.bvh.primitive_ids,
                                             sizeof(cl_uint) * std::uint64_t{given.bvh.reference_count});
     device::check_readable(checked.primitive_ids);
-    checked.scene.primitive_ids = block_of(checked.primitive_ids);
+    checked.scene.primitive_ids = checked.primitive_ids.given;
     device::CallerInput input = device::check_input(session, given.triangles);
     checked.vertices = std::move(input.vertices);
     checked.indices = std::move(input.indices);
     checked.scene.mesh = input.mesh;
 }
 
-CallerMemory look_at_copy(const Session& session, const TraceSettings& settings, const DeviceScene& given) {
-    return look_at_array(session, "the copy", given.copy,
-                         device::plan_copy(settings, given.bvh.reference_count).bytes(), kNodeAlignment);
+CallerMemory examine_layout(const Session& session, const TraceSettings& settings, const DeviceScene& given) {
+    return examine_array(session, "the layout", given.layout,
+                         device::lay_out_scene(settings, given.bvh.reference_count).bytes, kNodeAlignment);
 }
 
 void check_nodes(const Session& session, const DeviceScene& given, CheckedScene& checked) {
     checked.scene.node_count = given.bvh.node_count;
     checked.scene.reference_count = given.bvh.reference_count;
-    checked.nodes = look_at_input(session, "the nodes", given.bvh.nodes,
+    checked.nodes = examine_input(session, "the nodes", given.bvh.nodes,
                                   sizeof(Node) * std::uint64_t{given.bvh.node_count}, kNodeAlignment);
-    checked.scene.nodes = block_of(checked.nodes);
+    checked.scene.nodes = checked.nodes.given;
 }
 
 CheckedScene check_scene(const Session& session, const TraceSettings& settings, const DeviceScene& given) {
     CheckedScene checked;
     if (given.bvh.node_count == 0 || given.bvh.reference_count == 0) return checked;
     check_nodes(session, given, checked);
-    if (given.copy.buffer == nullptr) {
+    if (given.layout.buffer == nullptr) {
         check_references(session, given, checked);
     } else {
-        checked.copy = look_at_copy(session, settings, given);
-        device::check_readable(checked.copy);
-        checked.scene.copy = block_of(checked.copy);
+        checked.layout = examine_layout(session, settings, given);
+        device::check_readable(checked.layout);
+        checked.scene.layout = checked.layout.given;
     }
     return checked;
 }
@@ -107,16 +105,16 @@ TraceRays check_rays(const Session& session, const CheckedScene& scene, const De
         throw Error(ErrorCode::unsupported, std::to_string(count) + " rays are more than the " +
                                                 std::to_string(kMaxDeviceRays) + " of one call; trace in parts");
     }
-    const CallerMemory rays = look_at_input(session, "the rays", given.rays, sizeof(Ray) * count, kRayAlignment);
+    const CallerMemory rays = examine_input(session, "the rays", given.rays, sizeof(Ray) * count, kRayAlignment);
     const CallerMemory results =
-        any ? device::look_at(session, "the results", given.results, count)
-            : look_at_array(session, "the results", given.results, sizeof(Hit) * count, kRayAlignment);
+        any ? device::examine(session, "the results", given.results, count)
+            : examine_array(session, "the results", given.results, sizeof(Hit) * count, kRayAlignment);
     const CallerMemory scratch =
-        look_at_array(session, "the scratch", given.scratch, device::plan_trace(scene.scene.node_count).scratch_bytes(),
-                      kNodeAlignment);
+        examine_array(session, "the scratch", given.scratch,
+                      device::lay_out_trace_scratch(scene.scene.node_count).bytes, kNodeAlignment);
     CallerMemory counts;
     if (given.counts.buffer != nullptr) {
-        counts = look_at_array(session, "the counts", given.counts, sizeof(RayCounts) * count, kRayAlignment);
+        counts = examine_array(session, "the counts", given.counts, sizeof(RayCounts) * count, kRayAlignment);
     }
     device::check_apart({results, scratch, counts, rays});
     for (const CallerMemory& written : {results, scratch, counts}) {
@@ -126,17 +124,11 @@ TraceRays check_rays(const Session& session, const CheckedScene& scene, const De
     TraceRays checked;
     checked.count = given.count;
     checked.any = any;
-    checked.rays = block_of(rays);
-    checked.results = block_of(results);
-    checked.scratch = block_of(scratch);
-    checked.counts = block_of(counts);
+    checked.rays = rays.given;
+    checked.results = results.given;
+    checked.scratch = scratch.given;
+    checked.counts = counts.given;
     return checked;
-}
-
-void check_length(std::string_view name, std::size_t length, std::size_t rays) {
-    if (length == rays) return;
-    throw Error(ErrorCode::invalid_input, std::string(name) + " has room for " + std::to_string(length) +
-                                              " rays, but there are " + std::to_string(rays) + "; it must be as many");
 }
 
 }  // namespace
@@ -149,15 +141,11 @@ struct CLBVH_NO_EXPORT DeviceTracer::State {
 
     void enqueue_trace(cl_command_queue queue, const DeviceScene& given, const DeviceRays& rays, bool any,
                        std::span<const cl_event> wait_list, cl_event* event) const {
-        device::with_opencl_errors("enqueuing rays", [&] {
-            Session& session = context.session();
-            device::check_queue(session, queue);
-            device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
+        Session& session = context.session();
+        device::enqueue_for_caller("enqueuing rays", session, {queue, wait_list, event}, [&](Launcher& launcher) {
             const CheckedScene scene = check_scene(session, settings, given);
-            if (rays.count > 0) {
-                device::launch_trace(launcher, settings, scene.scene, check_rays(session, scene, rays, any));
-            }
-            launcher.hand_over_end(event);
+            if (rays.count == 0) return;
+            device::launch_trace(launcher, settings, scene.scene, check_rays(session, scene, rays, any));
         });
     }
 
@@ -181,26 +169,23 @@ DeviceTracer& DeviceTracer::operator=(DeviceTracer&&) noexcept = default;
 DeviceTracer::~DeviceTracer() = default;
 
 DeviceTraceSizes DeviceTracer::sizes(const DeviceBvh& bvh) const noexcept {
-    return {device::plan_trace(bvh.node_count).scratch_bytes(),
-            device::plan_copy(state_->settings, bvh.reference_count).bytes()};
+    return {device::lay_out_trace_scratch(bvh.node_count).bytes,
+            device::lay_out_scene(state_->settings, bvh.reference_count).bytes};
 }
 
-void DeviceTracer::enqueue_copy(cl_command_queue queue, const DeviceScene& scene, std::span<const cl_event> wait_list,
-                                cl_event* event) {
-    device::with_opencl_errors("enqueuing a copy of a scene", [&] {
-        Session& session = state_->context.session();
-        device::check_queue(session, queue);
-        device::Launcher launcher(session, cl::CommandQueue(queue, true), device::copy_events(wait_list));
-        if (scene.bvh.reference_count > 0 && scene.bvh.node_count > 0) {
-            CheckedScene checked;
-            check_nodes(session, scene, checked);
-            check_references(session, scene, checked);
-            const CallerMemory out = look_at_copy(session, state_->settings, scene);
-            device::check_read_write(out);
-            checked.check_apart_from(out);
-            device::launch_copy(launcher, state_->settings, checked.scene, block_of(out));
-        }
-        launcher.hand_over_end(event);
+void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& scene, std::span<const cl_event> wait_list,
+                                  cl_event* event) {
+    const State& state = *state_;
+    Session& session = state.context.session();
+    device::enqueue_for_caller("enqueuing a layout", session, {queue, wait_list, event}, [&](Launcher& launcher) {
+        if (scene.bvh.reference_count == 0 || scene.bvh.node_count == 0) return;
+        CheckedScene checked;
+        check_nodes(session, scene, checked);
+        check_references(session, scene, checked);
+        const CallerMemory out = examine_layout(session, state.settings, scene);
+        device::check_read_write(out);
+        checked.check_apart_from(out);
+        device::launch_layout(launcher, state.settings, checked.scene, out.given);
     });
 }
 

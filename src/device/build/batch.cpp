@@ -14,6 +14,19 @@ std::string_view kernel_of(InputForm form) {
     }
 }
 
+struct BatchScratch {
+    BatchScratch(std::uint64_t primitives, std::uint64_t trees, ArrayLayout layout)
+        : leaves(layout.take_view(24 * primitives + 8 * trees)),
+          inner(layout.take_view(32 * primitives)),
+          references(layout.take_view(4 * primitives)),
+          other(layout.take_view(4 * primitives)),
+          bounds(layout.take_view(48 * trees)),
+          bytes(layout.bytes()) {}
+
+    cl::Buffer leaves, inner, references, other, bounds;
+    std::uint64_t bytes;
+};
+
 }  // namespace
 
 BatchPlan plan_batch(std::uint64_t primitives, std::uint64_t trees) {
@@ -21,10 +34,7 @@ BatchPlan plan_batch(std::uint64_t primitives, std::uint64_t trees) {
     plan.nodes = 64 * primitives;
     plan.primitive_ids = 4 * primitives;
     plan.active_counts = 4 * trees;
-    plan.leaves = 24 * primitives + 8 * trees;
-    plan.inner = 32 * primitives;
-    plan.references = plan.other = 4 * primitives;
-    plan.bounds = 48 * trees;
+    plan.scratch = BatchScratch(primitives, trees, ArrayLayout()).bytes;
     return plan;
 }
 
@@ -34,23 +44,14 @@ ProgramSpec batch_program(const BuildSettings& settings) {
 }
 
 void launch_batch(Launcher& launcher, const BuildSettings& settings, const BatchPlan& plan, const BatchJob& job) {
-    std::uint64_t end = 0;
-    const auto take = [&](std::uint64_t bytes) {
-        cl::Buffer view = view_of(job.scratch, end, bytes);
-        end += align_for_views(bytes);
-        return view;
-    };
-    const cl::Buffer leaves = take(plan.leaves);
-    const cl::Buffer inner = take(plan.inner);
-    const cl::Buffer references = take(plan.references);
-    const cl::Buffer other = take(plan.other);
-    const cl::Buffer bounds = take(plan.bounds);
+    const BatchScratch scratch(job.mesh.primitive_count, job.tree_count, ArrayLayout(job.scratch));
     const cl::Buffer& indices = job.mesh.triangles() != nullptr ? job.mesh.triangles : job.mesh.vertices;
     launcher.launch(launcher.session().kernel(batch_program(settings), kernel_of(job.mesh.form)), job.tree_count,
                     job.mesh.vertices, job.mesh.vertex_offset, job.mesh.vertex_stride, indices,
                     job.mesh.triangle_offset, job.mesh.triangle_stride, job.ranges.buffer, job.ranges.offset,
                     view_of(job.nodes, 0, plan.nodes), view_of(job.primitive_ids, 0, plan.primitive_ids),
-                    view_of(job.active_counts, 0, plan.active_counts), leaves, inner, references, other, bounds);
+                    view_of(job.active_counts, 0, plan.active_counts), scratch.leaves, scratch.inner,
+                    scratch.references, scratch.other, scratch.bounds);
     // At least: the input's corners and indices are read; boxes are written, read twice and written again as leaves;
     // keys, references and ids are written; a merge reads two records and writes one and a sibling pair.
     launcher.count_bytes((48 + 4 * 24 + 8 + 8 + 2 * 32 + 32 + 64) * std::uint64_t{job.mesh.primitive_count});

@@ -10,13 +10,8 @@ inline constexpr std::size_t kLargestBatchGroup = 256;
 
 /// Bytes of the memory of a batch.
 struct BatchPlan {
-    std::uint64_t nodes = 0, primitive_ids = 0, active_counts = 0;               ///< the result
-    std::uint64_t leaves = 0, inner = 0, references = 0, other = 0, bounds = 0;  ///< scratch
-
-    [[nodiscard]] std::uint64_t scratch_bytes() const noexcept {
-        return align_for_views(leaves) + align_for_views(inner) + align_for_views(references) + align_for_views(other) +
-               align_for_views(bounds);
-    }
+    std::uint64_t nodes = 0, primitive_ids = 0, active_counts = 0;  ///< the result
+    std::uint64_t scratch = 0;
 };
 [[nodiscard]] BatchPlan plan_batch(std::uint64_t primitives, std::uint64_t trees);
 

@@ -28,16 +28,15 @@ std::uint64_t input_bytes(const DeviceMesh& mesh) {
 
 }  // namespace
 
-ProgramSpec bounds_program(const BuildSettings& settings) {
-    return {"bounds.cl", settings.stream_group_size, ""};
+ProgramSpec bounds_program(const DeviceFit& fit) {
+    return {"bounds.cl", fit.stream_group_size, ""};
 }
 
-void launch_bounds(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers,
-                   const DeviceMesh& mesh) {
+void launch_bounds(Launcher& launcher, const DeviceFit& fit, const BuildBuffers& buffers, const DeviceMesh& mesh) {
     Session& session = launcher.session();
-    Kernel& primitives = session.kernel(bounds_program(settings), kernel_of(mesh.form));
-    Kernel& reduce = session.kernel(bounds_program(settings), "reduce_bounds");
-    const Pieces pieces = settings.stream_pieces(mesh.primitive_count);
+    Kernel& primitives = session.kernel(bounds_program(fit), kernel_of(mesh.form));
+    Kernel& reduce = session.kernel(bounds_program(fit), "reduce_bounds");
+    const Pieces pieces = fit.stream_pieces(mesh.primitive_count);
     const cl::Buffer& indices = mesh.triangles() != nullptr ? mesh.triangles : mesh.vertices;
     launcher.launch(primitives, pieces.count, mesh.vertices, mesh.vertex_offset, mesh.vertex_stride, indices,
                     mesh.triangle_offset, mesh.triangle_stride, mesh.primitive_count, pieces.length, buffers.boxes,

@@ -6,88 +6,68 @@ namespace clbvh::device {
 namespace {
 
 constexpr std::uint64_t kNodeBytes = 64;  // a sibling pair a primitive
-constexpr std::uint64_t kInnerBytes = 32;
+constexpr std::uint64_t kInnerBytes = sizeof(float) * kernels::RECORD_FLOATS;
 constexpr std::uint64_t kBoxBytes = 24;
 constexpr std::uint64_t kIdBytes = 4;
 constexpr std::uint64_t kBehindBoxes = 2 * sizeof(float);  // two more words are read, see kernels/cluster/cluster.clh
 
-constexpr std::uint64_t kBoundsBytes = 12 * 4;
-constexpr std::uint64_t kTableBytes = 4 * 4 * 256 * 8;
-constexpr std::uint64_t kParameterBytes = 16 * 4;
+constexpr std::uint64_t kBoundsBytes = sizeof(float) * kernels::BOUNDS_FLOATS;
+constexpr std::uint64_t kTableBytes = sizeof(cl_ulong) * kernels::MORTON_TABLE_ULONGS;
+constexpr std::uint64_t kParameterBytes = sizeof(float) * kernels::MORTON_PARAMETERS;
 constexpr std::uint64_t kWordBytes = 4;
 
-// The views of a block, one after the other.
-class Cutter {
-public:
-    explicit Cutter(const Block& block) : block_(block) {}
-    cl::Buffer take(std::uint64_t bytes) {
-        const std::uint64_t begin = end_;
-        end_ += align_for_views(bytes);
-        return view_of(block_, begin, bytes);
-    }
-
-private:
-    const Block& block_;
-    std::uint64_t end_ = 0;
-};
-
-// One array of four bytes a primitive, as far as the next may begin.
-std::uint64_t quarter_bytes(std::uint64_t primitives) {
-    return align_for_views(4 * primitives);
-}
-
-std::uint64_t sort_bytes(const MemoryPlan& plan) {
-    return (plan.packed_keys ? 2 : 6) * quarter_bytes(plan.primitives);
-}
-
-std::uint64_t count_bytes(std::uint64_t sort_counts) {
-    return 4 * std::max<std::uint64_t>(sort_counts, BuildBuffers::kMostPieces);
-}
-
-std::uint64_t small_bytes(std::uint64_t sort_counts) {
-    std::uint64_t sum = 0;
-    for (const std::uint64_t bytes :
-         {kBoundsBytes, kBoundsBytes * BuildBuffers::kMostPieces, kWordBytes * BuildBuffers::kMostPieces,
-          count_bytes(sort_counts), kTableBytes, kParameterBytes, kWordBytes, kWordBytes,
-          kWordBytes * BuildBuffers::kCountsKept}) {
-        sum += align_for_views(bytes);
-    }
-    return sum;
-}
-
-void cut_small(BuildBuffers& b, const Block& small, const MemoryPlan& plan) {
-    Cutter cutter(small);
-    b.bounds = cutter.take(kBoundsBytes);
-    b.partial_bounds = cutter.take(kBoundsBytes * BuildBuffers::kMostPieces);
-    b.partial_counts = cutter.take(kWordBytes * BuildBuffers::kMostPieces);
-    b.counts = cutter.take(count_bytes(plan.sort_counts));
-    b.morton_tables = cutter.take(kTableBytes);
-    b.morton_parameters = cutter.take(kParameterBytes);
-    b.leaf_count = cutter.take(kWordBytes);
-    b.root_reference = cutter.take(kWordBytes);
-    b.cluster_counts = cutter.take(kWordBytes * BuildBuffers::kCountsKept);
-}
-
-void cut_sort(BuildBuffers& b, const Block& block, const MemoryPlan& plan) {
+void cut_sort(BuildBuffers& b, ArrayLayout& layout, const MemoryPlan& plan) {
     const std::uint64_t n = plan.primitives;
-    Cutter cutter(block);
     if (plan.packed_keys) {
-        b.keys = cutter.take(2 * 4 * n);
+        b.keys = layout.take_view(8 * n);
         return;
     }
-    b.pairs_a = cutter.take(2 * 4 * n);
-    b.pairs_b = cutter.take(2 * 4 * n);
-    b.code_low = cutter.take(4 * n);
-    b.code_high = cutter.take(4 * n);
+    b.pairs_a = layout.take_view(8 * n);
+    b.pairs_b = layout.take_view(8 * n);
+    b.code_low = layout.take_view(4 * n);
+    b.code_high = layout.take_view(4 * n);
+}
+
+void cut_references(BuildBuffers& b, ArrayLayout& layout, const MemoryPlan& plan) {
+    b.references_a = layout.take_view(4 * plan.primitives);
+    b.references_b = layout.take_view(4 * plan.primitives);
+}
+
+void cut_bounds_of_scene(BuildBuffers& b, ArrayLayout& layout) {
+    b.bounds = layout.take_view(kBoundsBytes);
+    b.partial_bounds = layout.take_view(kBoundsBytes * kMostPieces);
+    b.partial_counts = layout.take_view(kWordBytes * kMostPieces);
+    b.leaf_count = layout.take_view(kWordBytes);
+}
+
+void cut_small(BuildBuffers& b, ArrayLayout& layout, const MemoryPlan& plan) {
+    cut_bounds_of_scene(b, layout);
+    b.counts = layout.take_view(kWordBytes * std::max<std::uint64_t>(plan.sort_counts, kMostPieces));
+    b.morton_tables = layout.take_view(kTableBytes);
+    b.morton_parameters = layout.take_view(kParameterBytes);
+    b.root_reference = layout.take_view(kWordBytes);
+    b.cluster_counts = layout.take_view(kWordBytes * BuildBuffers::kCountsKept);
+}
+
+// What cutting a part of this plan takes.
+std::uint64_t bytes_of(void (*cut)(BuildBuffers&, ArrayLayout&, const MemoryPlan&), const MemoryPlan& plan) {
+    ArrayLayout layout;
+    BuildBuffers none;
+    cut(none, layout, plan);
+    return layout.bytes();
+}
+
+BuildMemory lay_out_scratch(ArrayLayout& layout, const MemoryPlan& plan) {
+    BuildMemory memory;
+    memory.leaves = layout.take(plan.leaves);
+    memory.inner = layout.take(plan.inner);
+    memory.references = layout.take(plan.references);
+    memory.small = layout.take(plan.small);
+    memory.extra = layout.take(plan.extra);
+    return memory;
 }
 
 }  // namespace
-
-cl::Buffer view_of(const Block& block, std::uint64_t offset, std::uint64_t bytes) {
-    const cl_buffer_region region{block.offset + offset, bytes};
-    cl::Buffer buffer = block.buffer;  // createSubBuffer is not const
-    return buffer.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region);
-}
 
 MemoryPlan plan_memory(const BuildSettings& settings, BoxOrder box_order, std::uint32_t primitives,
                        std::uint64_t extra_bytes) {
@@ -100,31 +80,37 @@ MemoryPlan plan_memory(const BuildSettings& settings, BoxOrder box_order, std::u
     plan.nodes = kNodeBytes * n;
     plan.primitive_ids = kIdBytes * n;
     plan.leaves = kBoxBytes * n + kBehindBoxes;
-    plan.references = 2 * quarter_bytes(n);
-    plan.small = small_bytes(plan.sort_counts);
+    plan.references = bytes_of(cut_references, plan);  // no less than the codes, 8 n
+    plan.small = bytes_of(cut_small, plan);
     plan.extra = extra_bytes;
+    const std::uint64_t sort_bytes = bytes_of(cut_sort, plan);
     if (box_order == BoxOrder::morton) {
-        plan.inner = std::max(kInnerBytes * n, sort_bytes(plan));
-    } else if (sort_bytes(plan) > plan.nodes) {
-        plan.inner = sort_bytes(plan);
+        plan.inner = std::max(kInnerBytes * n, sort_bytes);
+    } else if (sort_bytes > plan.nodes) {
+        plan.inner = sort_bytes;
     }
     return plan;
 }
 
+std::uint64_t MemoryPlan::scratch_bytes() const {
+    ArrayLayout layout;
+    lay_out_scratch(layout, *this);
+    return layout.bytes();
+}
+
 BuildMemory cut_scratch(const Block& nodes, const Block& primitive_ids, const Block& scratch, const MemoryPlan& plan) {
-    std::uint64_t end = scratch.offset;
-    const auto take = [&](std::uint64_t bytes) {
-        const Block block{scratch.buffer, end};
-        end += align_for_views(bytes);
-        return block;
-    };
-    BuildMemory memory{nodes, primitive_ids, {}, {}, {}, {}, {}};
-    memory.leaves = take(plan.leaves);
-    memory.inner = take(plan.inner);
-    memory.references = take(plan.references);
-    memory.small = take(plan.small);
-    memory.extra = take(plan.extra);
+    ArrayLayout layout(scratch);
+    BuildMemory memory = lay_out_scratch(layout, plan);
+    memory.nodes = nodes;
+    memory.primitive_ids = primitive_ids;
     return memory;
+}
+
+BuildBuffers cut_bounds(ArrayLayout& layout, std::uint64_t primitives) {
+    BuildBuffers b;
+    b.boxes = layout.take_view(kBoxBytes * primitives);
+    cut_bounds_of_scene(b, layout);
+    return b;
 }
 
 BuildBuffers cut_views(const BuildMemory& memory, const MemoryPlan& plan) {
@@ -132,18 +118,20 @@ BuildBuffers cut_views(const BuildMemory& memory, const MemoryPlan& plan) {
     BuildBuffers b;
     b.nodes = view_of(memory.nodes, 0, plan.nodes);
     b.primitive_ids = view_of(memory.primitive_ids, 0, plan.primitive_ids);
-    b.codes = view_of(memory.references, 0, 2 * 4 * n);
+    b.codes = view_of(memory.references, 0, 8 * n);
     if (plan.box_order == BoxOrder::morton) {
         b.boxes = view_of(memory.nodes, 0, kBoxBytes * n + kBehindBoxes);
         b.leaves = view_of(memory.leaves, 0, plan.leaves);
         b.inner = view_of(memory.inner, 0, plan.inner);
-        b.references_a = view_of(memory.references, 0, 4 * n);
-        b.references_b = view_of(memory.references, quarter_bytes(n), 4 * n);
+        ArrayLayout references(memory.references);
+        cut_references(b, references, plan);
     } else {
         b.boxes = view_of(memory.leaves, 0, plan.leaves);
     }
-    cut_sort(b, plan.inner > 0 ? memory.inner : memory.nodes, plan);
-    cut_small(b, memory.small, plan);
+    ArrayLayout sort(plan.inner > 0 ? memory.inner : memory.nodes);
+    cut_sort(b, sort, plan);
+    ArrayLayout small(memory.small);
+    cut_small(b, small, plan);
     b.extra = memory.extra;
     return b;
 }

@@ -3,37 +3,12 @@
 #include <cstdint>
 
 #include "device/build/build_settings.hpp"
-#include "device/opencl/session.hpp"
+#include "device/opencl/device_memory.hpp"
+#include "device/opencl/device_mesh.hpp"
+#include "device/opencl/memory_block.hpp"
+#include "kernels/cluster/cluster_constants.h"
 
 namespace clbvh::device {
-
-/// How primitives lie in memory; see kernels/build/input.clh.
-enum class InputForm : std::uint8_t { tight, indexed_32, indexed_16, triangles, boxes };
-
-/// Primitives in device memory. Sizes and strides are in bytes.
-struct DeviceMesh {
-    cl::Buffer vertices;   ///< Triangles: float[3] each; boxes: float[6] each.
-    cl::Buffer triangles;  ///< Indices, where the form has them; else null.
-    std::uint32_t primitive_count = 0;
-    std::uint32_t active_count = 0;  ///< Primitives without a NaN, the leaves of the tree; or as many as there may be.
-    InputForm form = InputForm::tight;
-    std::uint64_t vertex_offset = 0, triangle_offset = 0;
-    std::uint32_t vertex_stride = 0, triangle_stride = 0;  ///< Not used by the tight form.
-};
-
-/// A buffer, or the part of one that begins at `offset`.
-struct Block {
-    cl::Buffer buffer;
-    std::uint64_t offset = 0;
-};
-
-/// Part of `block` as a buffer of its own. `offset` is a multiple of the device's alignment (see align_for_views).
-[[nodiscard]] cl::Buffer view_of(const Block& block, std::uint64_t offset, std::uint64_t bytes);
-
-/// `bytes` rounded up so that the next view may begin there.
-[[nodiscard]] constexpr std::uint64_t align_for_views(std::uint64_t bytes) {
-    return (bytes + 4095) / 4096 * 4096;
-}
 
 /// In what order a clustering reads the primitives' boxes.
 enum class BoxOrder : std::uint8_t {
@@ -63,10 +38,7 @@ struct MemoryPlan {
 
     [[nodiscard]] bool operator==(const MemoryPlan&) const noexcept = default;
     /// Scratch in one piece, see cut_scratch().
-    [[nodiscard]] std::uint64_t scratch_bytes() const noexcept {
-        return align_for_views(leaves) + align_for_views(inner) + align_for_views(references) + align_for_views(small) +
-               align_for_views(extra);
-    }
+    [[nodiscard]] std::uint64_t scratch_bytes() const;
     /// What a build needs, the finished tree included.
     [[nodiscard]] std::uint64_t bytes() const noexcept {
         return nodes + primitive_ids + leaves + inner + references + small + extra;
@@ -105,18 +77,19 @@ struct BuildBuffers {
     cl::Buffer partial_bounds;              ///< float [12 * kMostPieces]
     cl::Buffer partial_counts;              ///< uint [kMostPieces]
     cl::Buffer counts;                      ///< uint [digits * pieces of the sort, at least kMostPieces]
-    cl::Buffer morton_tables;               ///< ulong [4096]
-    cl::Buffer morton_parameters;           ///< float [16]
+    cl::Buffer morton_tables;               ///< ulong [MORTON_TABLE_ULONGS]
+    cl::Buffer morton_parameters;           ///< float [MORTON_PARAMETERS]
     cl::Buffer leaf_count;                  ///< uint: active primitives
     cl::Buffer root_reference;              ///< uint
     cl::Buffer cluster_counts;              ///< uint [kCountsKept], see kernels/cluster/iteration.clh
     Block extra;                            ///< what DeviceAlgorithm::extra_bytes asked for
 
-    /// Most pieces that any stage is cut into.
-    static constexpr std::uint32_t kMostPieces = 1024;
-    /// COUNTS_KEPT of kernels/cluster/iteration.clh.
-    static constexpr std::uint32_t kCountsKept = 64;
+    static constexpr std::uint32_t kCountsKept = kernels::COUNTS_KEPT;
 };
+
+/// The buffers of the boxes of `primitives`, of the bounds of all and of what finding these takes: boxes, bounds,
+/// partial_bounds, partial_counts and leaf_count.
+[[nodiscard]] BuildBuffers cut_bounds(ArrayLayout& layout, std::uint64_t primitives);
 
 /// Cuts the blocks, each as large as `plan` says or larger, into the views of a build.
 [[nodiscard]] BuildBuffers cut_views(const BuildMemory& memory, const MemoryPlan& plan);
@@ -131,12 +104,17 @@ public:
     /// The views of the last plan.
     [[nodiscard]] const BuildBuffers& buffers() const noexcept { return buffers_; }
     [[nodiscard]] const BuildMemory& memory() const noexcept { return memory_; }
+    /// For what works on the finished tree; at least `bytes`, at least 1.
+    [[nodiscard]] Block reserve_tree_scratch(const Session& session, std::uint64_t bytes) {
+        return {tree_scratch_.reserve(session, bytes)};
+    }
 
 private:
     BuildMemory memory_;
     MemoryPlan capacity_;
     MemoryPlan plan_;  // of buffers_
     BuildBuffers buffers_;
+    KeptBuffer tree_scratch_;
 };
 
 }  // namespace clbvh::device

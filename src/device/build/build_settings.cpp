@@ -5,7 +5,6 @@
 #include <initializer_list>
 
 #include "clbvh/core/error.hpp"
-#include "device/build/build_buffers.hpp"
 
 namespace clbvh::device {
 namespace {
@@ -13,15 +12,11 @@ namespace {
 constexpr std::size_t kGpuGroup = 1024;
 // A CPU runs the items of a group one after the other: a large group only makes the last few clusters of a range dear.
 constexpr std::size_t kCpuGroup = 256;
-constexpr std::size_t kStreamGroup = 256;
 constexpr std::uint32_t kLaneChunk = 512;
-// Groups a compute unit: on a CPU enough to even out their lengths, on a GPU enough to hide each other's latency.
-constexpr std::uint32_t kCpuGroupsPerUnit = 8;
-constexpr std::uint32_t kGpuGroupsPerUnit = 4;
 // A lane keeps a counter and an open cache line for each digit, so few long pieces beat many short ones.
 constexpr std::uint32_t kLaneSortPiecesPerUnit = 4;
 constexpr std::uint32_t kLeastLaneSortPiece = 8192;
-constexpr std::uint32_t kSortTile = 1024;  // TILE of radix_sort.cl
+constexpr std::uint32_t kSortTile = 256 * kernels::TILE_ELEMENTS_PER_ITEM;  // of the largest group
 constexpr std::uint32_t kDefaultCodeBits = 44;
 constexpr std::uint32_t kFastCodeBits = 33;  // one pass of the sort less
 constexpr std::uint32_t kSingleGroupThreshold = 8192;
@@ -46,15 +41,11 @@ std::size_t group_size_that_fits(const DeviceInfo& info, bool exact) {
     return size;
 }
 
-std::size_t stream_group_size(const DeviceInfo& info) {
-    return std::min(kStreamGroup, std::bit_floor(info.max_work_group_size));
-}
-
 void resolve_sort(BuildSettings& settings, const DeviceInfo& info) {
     const bool lane = settings.sort_shape == Shape::lane;
     settings.sort_group_size = lane ? 1 : stream_group_size(info);
-    settings.most_sort_pieces = lane ? std::min(info.compute_units * kLaneSortPiecesPerUnit, BuildBuffers::kMostPieces)
-                                     : settings.groups_to_fill;
+    settings.most_sort_pieces =
+        lane ? std::min(info.compute_units * kLaneSortPiecesPerUnit, kMostPieces) : settings.groups_to_fill;
 }
 
 std::size_t chosen_group_size(const BuildSettings& settings, const Profile& profile, const DeviceInfo& info,
@@ -120,13 +111,6 @@ std::uint32_t first_not_zero(std::initializer_list<std::uint32_t> values) {
     return *std::ranges::find_if(values, [](std::uint32_t value) { return value != 0; });
 }
 
-Shape definite_shape(Shape shape, Session& session) {
-    if (shape != Shape::automatic) {
-        return shape;
-    }
-    return session.prefers_lane_shape() ? Shape::lane : Shape::group;
-}
-
 }  // namespace
 
 std::string BuildSettings::search_defines() const {
@@ -142,11 +126,6 @@ std::string BuildSettings::hploc_defines() const {
            " -D MERGE_PAIRS=" + (hploc.merge_pairs ? "1" : "0") + " -D HPLOC_WINDOW=" + std::to_string(hploc.window);
 }
 
-Pieces BuildSettings::stream_pieces(std::uint32_t elements) const {
-    return cut_into_pieces(elements, std::min(groups_to_fill * (lane() ? 1 : 4), BuildBuffers::kMostPieces),
-                           static_cast<std::uint32_t>(stream_group_size));
-}
-
 Pieces BuildSettings::sort_pieces(std::uint32_t elements) const {
     return cut_into_pieces(elements, most_sort_pieces,
                            sort_shape == Shape::lane ? std::clamp(elements, 1u, kLeastLaneSortPiece) : kSortTile);
@@ -157,22 +136,15 @@ KeyLayout BuildSettings::key_layout(std::uint32_t primitives) const {
     return {index_bits, std::min(code_bits, 64 - index_bits)};
 }
 
-Pieces cut_into_pieces(std::uint32_t elements, std::uint32_t most, std::uint32_t granularity) {
-    const std::uint64_t grains = (std::uint64_t{elements} + granularity - 1) / granularity;
-    const std::uint64_t grains_per_piece = std::max<std::uint64_t>(1, (grains + most - 1) / most);
-    const std::uint64_t count = std::max<std::uint64_t>(1, (grains + grains_per_piece - 1) / grains_per_piece);
-    return {static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(grains_per_piece * granularity)};
-}
-
 BuildSettings resolve_settings(const BuildOptions& options, Session& session, OptionsRead read) {
     check_options(options);
     const DeviceInfo& info = session.info();
     const Profile profile = session.profile().profile.value_or(Profile{});
     BuildSettings settings;
-    settings.shape = definite_shape(options.shape, session);
+    static_cast<DeviceFit&>(settings) = fit_to_device(session, options.shape);
     // The lane shape needs its self-test, whatever a profile says.
     const bool sorts_in_groups = options.sort_shape == Shape::automatic && profile.sort_shape == Shape::group;
-    settings.sort_shape = sorts_in_groups ? Shape::group : definite_shape(options.sort_shape, session);
+    settings.sort_shape = sorts_in_groups ? Shape::group : definite_shape(session, options.sort_shape);
     settings.search_radius = options.search_radius;
     settings.morton_code = options.morton_code;
     const bool shortens_codes = read.presets && options.hploc_quality == HplocQuality::fast;
@@ -192,10 +164,7 @@ BuildSettings resolve_settings(const BuildOptions& options, Session& session, Op
     settings.single_group_threshold =
         first_not_zero({options.single_group_threshold, profile.single_group_threshold, kSingleGroupThreshold});
     settings.hploc = resolve_hploc(options);
-    const std::uint32_t per_unit = info.type == DeviceType::cpu ? kCpuGroupsPerUnit : kGpuGroupsPerUnit;
-    settings.groups_to_fill = std::min(info.compute_units * per_unit, BuildBuffers::kMostPieces);
     resolve_sort(settings, info);
-    settings.stream_group_size = settings.lane() ? 1 : stream_group_size(info);
     if (!read.chunks) {
         settings.cluster_group_size = settings.stream_group_size;
     } else if (settings.lane()) {
@@ -203,8 +172,8 @@ BuildSettings resolve_settings(const BuildOptions& options, Session& session, Op
     } else {
         resolve_group_sizes(settings, options, profile, info);
     }
-    // Twice the groups that fill the device (section 5.1), and no fewer than keep a range in a CPU's second-level
-    // cache. The same for both shapes, so that both give the same tree.
+    // Twice the groups that fill the device (section 5.1), at most kMostRanges, and no fewer than keep a range in a
+    // CPU's second-level cache. The same for both shapes, so that both give the same tree.
     const std::uint32_t chosen_ranges = std::max(kLeastRanges, 2 * settings.groups_to_fill);
     settings.range_count = options.range_count != 0 ? options.range_count : std::min(kMostRanges, chosen_ranges);
     return settings;

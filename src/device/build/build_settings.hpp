@@ -4,15 +4,10 @@
 #include <string>
 
 #include "clbvh/core/build_options.hpp"
-#include "device/opencl/session.hpp"
+#include "device/opencl/device_fit.hpp"
+#include "kernels/build/build_constants.h"
 
 namespace clbvh::device {
-
-/// Work cut into equal contiguous pieces, one work group each.
-struct Pieces {
-    std::uint32_t count;   ///< at least 1
-    std::uint32_t length;  ///< elements a piece, a multiple of the granularity
-};
 
 /// A packed key: leading bits of the code above the bits of the primitive's index.
 struct KeyLayout {
@@ -30,35 +25,33 @@ struct HplocSettings {
 };
 
 /// BuildOptions made definite for one device: every automatic choice taken, every size known.
-struct BuildSettings {
-    Shape shape = Shape::group;  ///< group or lane
+struct BuildSettings : DeviceFit {
     std::uint32_t search_radius = 16;
     MortonCode morton_code = MortonCode::xyz;
     std::uint32_t code_bits = 44;  ///< leading bits of the code that are sorted, if that many fit beside the index
     bool exact_distances = false;  ///< 64-bit neighbour encoding
     bool symmetric_search = true;
     std::uint32_t single_group_threshold = 0;
-    std::uint32_t range_count = 0;           ///< least number of Morton ranges of plocpp-two-level
-    std::size_t stream_group_size = 1;       ///< work items a group in kernels that pass over arrays
-    std::size_t cluster_group_size = 1;      ///< work items a group in kernels that search neighbours
-    std::uint32_t lane_chunk_size = 0;       ///< clusters a chunk in the lane shape
-    std::uint32_t groups_to_fill = 1;        ///< work groups that keep the whole device busy
-    Shape sort_shape = Shape::group;         ///< group or lane
-    std::size_t sort_group_size = 1;         ///< work items a group in the sort
-    std::uint32_t most_sort_pieces = 1;      ///< work groups of a pass of the sort
-    std::uint32_t iterations_in_flight = 8;  ///< most that are enqueued before their counts are read, 1 to 64
+    std::uint32_t range_count = 0;       ///< least number of Morton ranges of plocpp-two-level
+    std::size_t cluster_group_size = 1;  ///< work items a group in kernels that search neighbours
+    std::uint32_t lane_chunk_size = 0;   ///< clusters a chunk in the lane shape
+    Shape sort_shape = Shape::group;     ///< group or lane
+    std::size_t sort_group_size = 1;     ///< work items a group in the sort
+    std::uint32_t most_sort_pieces = 1;  ///< work groups of a pass of the sort
+    /// Most iterations that are enqueued before their counts are read, 1 to 64. The same on every device: tests look at
+    /// one iteration at a time by setting it.
+    std::uint32_t iterations_in_flight = 8;
     HplocSettings hploc;
 
-    /// Pieces of a pass over an array of `elements`.
-    [[nodiscard]] Pieces stream_pieces(std::uint32_t elements) const;
     /// Pieces of a pass of the sort.
     [[nodiscard]] Pieces sort_pieces(std::uint32_t elements) const;
-    /// Bits that a pass of the sort looks at; RADIX_BITS of radix_digits.clh.
-    [[nodiscard]] std::uint32_t sort_digit_bits() const noexcept { return sort_shape == Shape::lane ? 11 : 8; }
+    /// Bits that a pass of the sort looks at.
+    [[nodiscard]] std::uint32_t sort_digit_bits() const noexcept {
+        return sort_shape == Shape::lane ? kernels::LANE_RADIX_BITS : kernels::GROUP_RADIX_BITS;
+    }
     /// True where code and index are sorted as one 64-bit key, false for pairs of 32-bit keys with a value.
     [[nodiscard]] bool packed_keys() const noexcept { return code_bits < 63; }
     [[nodiscard]] KeyLayout key_layout(std::uint32_t primitives) const;
-    [[nodiscard]] bool lane() const noexcept { return shape == Shape::lane; }
     /// Clusters a chunk where `border` more are loaded to each side.
     [[nodiscard]] std::uint32_t chunk_size(std::uint32_t border) const noexcept {
         return lane() ? lane_chunk_size : static_cast<std::uint32_t>(cluster_group_size) - 2 * border;
@@ -68,9 +61,6 @@ struct BuildSettings {
     /// -D options for the kernels of hploc.cl.
     [[nodiscard]] std::string hploc_defines() const;
 };
-
-/// Cuts `elements` into at most `most` pieces whose length is a multiple of `granularity`.
-[[nodiscard]] Pieces cut_into_pieces(std::uint32_t elements, std::uint32_t most, std::uint32_t granularity);
 
 /// Which of the options that not every builder reads one builder reads.
 struct OptionsRead {

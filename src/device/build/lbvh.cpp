@@ -9,12 +9,12 @@
 namespace clbvh::device {
 namespace {
 
-constexpr std::uint32_t kPendingBytes = 64;  // Cluster of lbvh.cl
-constexpr std::uint32_t kMostPending = 196;  // MAX_PENDING of lbvh.cl
+constexpr std::uint32_t kPendingBytes = kernels::PENDING_BYTES;
+constexpr std::uint32_t kMostPending = kernels::MOST_PENDING;
 constexpr std::uint32_t kLeastPieceLength = 1024;
 
 std::uint32_t most_pieces(const BuildSettings& settings) {
-    return std::min(2 * settings.groups_to_fill, BuildBuffers::kMostPieces);
+    return std::min(2 * settings.groups_to_fill, kMostPieces);
 }
 
 // What the lane shape's pieces leave to be joined, or what the group shape's work items exchange.
@@ -36,8 +36,8 @@ void climb(const ClusterJob& job) {
         return launcher.session().kernel(program(job.settings), name);
     };
     const cl::Buffer reached = view_of(b.extra, 0, extra_bytes(job.settings, job.leaf_count));
-    launcher.launch(kernel("prepare"), groups, b.leaf_count, reached, b.nodes);
-    launcher.launch(kernel("climb"), groups, b.codes, b.primitive_ids, b.boxes, b.leaf_count, reached, b.nodes,
+    launcher.launch(kernel("clear_nodes"), groups, b.leaf_count, reached, b.nodes);
+    launcher.launch(kernel("climb_boxes"), groups, b.codes, b.primitive_ids, b.boxes, b.leaf_count, reached, b.nodes,
                     b.root_reference);
 }
 

@@ -4,24 +4,24 @@
 #include <vector>
 
 #include "device/build/bounds.hpp"
-#include "device/build/layout.hpp"
+#include "device/build/root.hpp"
 #include "device/build/leaves.hpp"
 #include "device/build/morton.hpp"
 #include "device/build/radix_sort.hpp"
-#include "device/opencl/lane_self_test.hpp"
+#include "device/opencl/lane_shape_check.hpp"
 
 namespace clbvh::device {
 namespace {
 
 void prepare_programs(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings) {
     std::vector<ProgramSpec> stages{bounds_program(settings), morton_program(settings), radix_sort_program(settings),
-                                    layout_program(settings)};
+                                    root_program(settings)};
     // Where the stages' files are one program, it is the same for all builders: drivers that cache it know its text.
     if (session.joins_programs() || algorithm.box_order == BoxOrder::morton) {
         stages.push_back(leaves_program(settings));
     }
     if (session.joins_programs() && (settings.lane() || settings.sort_shape == Shape::lane)) {
-        stages.push_back(lane_self_test_program());
+        stages.push_back(lane_shape_check_program());
     }
     const ProgramSpec own = algorithm.program(settings);
     session.prepare({stages, std::span(&own, 1)});
@@ -42,8 +42,8 @@ void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const B
     with_opencl_errors("clustering", [&] {
         algorithm.cluster({launcher, settings, buffers, mesh.active_count, asynchronous});
     });
-    launcher.begin_stage("layout", 0.95);
-    launch_layout(launcher, settings, buffers, algorithm.box_order);
+    launcher.begin_stage("root", 0.95);
+    launch_root(launcher, settings, buffers, algorithm.box_order);
 }
 
 }  // namespace
@@ -67,28 +67,20 @@ MemoryPlan plan_pipeline(const DeviceAlgorithm& algorithm, const BuildSettings& 
 }
 
 void enqueue_pipeline(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
-                      const CallerBuild& build) {
-    if (build.mesh.primitive_count == 0) {
-        if (build.active_count.buffer() != nullptr)
-            launcher.clear_uints(build.active_count.buffer, build.active_count.offset, 1);
-        return;
-    }
-    const BuildBuffers buffers = cut_views(build.memory, build.plan);
-    launch_stages(launcher, algorithm, settings, build.mesh, buffers, true);
-    for (const Block& count : {build.active_count, build.kept_count}) {
-        if (count.buffer() != nullptr) launcher.copy_uint(buffers.leaf_count, 0, count.buffer, count.offset);
-    }
+                      const DeviceMesh& mesh, const BuildBuffers& buffers) {
+    launch_stages(launcher, algorithm, settings, mesh, buffers, true);
 }
 
 BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
-                        const ProgressCallback& progress, const DeviceMesh& mesh, OwnMemory& memory, PipelineEnd& end) {
+                        const ProgressCallback& progress, const DeviceMesh& mesh, OwnMemory& memory,
+                        const OptimizerChain& optimizers) {
     const MemoryPlan plan = plan_pipeline(algorithm, settings, mesh.primitive_count);
-    const std::uint64_t scratch_bytes = end.optimizers.scratch_bytes(2 * mesh.active_count);
+    const std::uint64_t scratch_bytes = optimizers.scratch_bytes(2 * mesh.active_count);
     Block scratch;
     if (mesh.active_count > 0) {
         memory.reserve(session, plan);
         with_opencl_errors("memory for optimizing", [&] {
-            if (scratch_bytes > 0) scratch.buffer = end.scratch.reserve(session, scratch_bytes);
+            if (scratch_bytes > 0) scratch = memory.reserve_tree_scratch(session, scratch_bytes);
         });
     }
     Launcher launcher(session, progress);
@@ -97,7 +89,7 @@ BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, cons
         launch_stages(launcher, algorithm, settings, mesh, buffers, false);
         with_opencl_errors("optimizing", [&] {
             const TreeNodes tree{buffers.nodes, 2 * mesh.active_count, {buffers.leaf_count}};
-            end.optimizers.launch(launcher, tree, scratch, 0.95);
+            optimizers.launch(launcher, tree, scratch, 0.95);
         });
     }
     BuildStats stats = launcher.finish();

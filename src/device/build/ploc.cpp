@@ -9,13 +9,18 @@
 namespace clbvh::device {
 namespace {
 
-// extra: neighbours (4 n), then the valid flags (n).
-std::uint64_t neighbour_bytes(std::uint32_t primitives) {
-    return align_for_views(4 * std::uint64_t{primitives});
-}
+/// The memory of ploc alone.
+struct ExtraViews {
+    ExtraViews(std::uint64_t primitives, ArrayLayout layout)
+        : neighbours(layout.take_view(4 * primitives)), valid(layout.take_view(primitives)), bytes(layout.bytes()) {}
+
+    cl::Buffer neighbours;  ///< uint [n]
+    cl::Buffer valid;       ///< uchar [n]
+    std::uint64_t bytes;
+};
 
 std::uint64_t extra_bytes(const BuildSettings&, std::uint32_t primitives) {
-    return neighbour_bytes(primitives) + primitives;
+    return ExtraViews(primitives, ArrayLayout()).bytes;
 }
 
 ProgramSpec program(const BuildSettings& settings) {
@@ -30,10 +35,9 @@ public:
           search_(kernel("search")),
           merge_(kernel("merge")),
           count_valid_(kernel("count_valid")),
-          scan_counts_(kernel("scan_counts")),
+          scan_valid_(kernel("scan_valid")),
           compact_(kernel("compact")),
-          neighbours_(view_of(job.buffers.extra, 0, 4 * std::uint64_t{job.leaf_count})),
-          valid_(view_of(job.buffers.extra, neighbour_bytes(job.leaf_count), job.leaf_count)) {}
+          extra_(job.leaf_count, ArrayLayout(job.buffers.extra)) {}
 
     /// Runs them down to the root, several at a time. There is one in any case: it leaves the root of a single leaf.
     void run() {
@@ -67,12 +71,12 @@ private:
         const cl::Buffer& references = enqueued_ % 2 == 0 ? b.references_a : b.references_b;
         const cl::Buffer& compacted = enqueued_ % 2 == 0 ? b.references_b : b.references_a;
         launcher.launch(search_, groups, references, b.cluster_counts, enqueued_, b.leaves, b.inner, b.leaf_count,
-                        neighbours_);
-        launcher.launch(merge_, groups, references, b.cluster_counts, enqueued_, neighbours_, b.leaves, b.inner,
-                        b.nodes, b.leaf_count, valid_);
-        launcher.launch(count_valid_, groups, valid_, b.cluster_counts, enqueued_, b.leaf_count, b.counts);
-        launcher.launch(scan_counts_, 1, b.counts, groups, b.cluster_counts, enqueued_, b.leaf_count);
-        launcher.launch(compact_, groups, references, valid_, b.cluster_counts, enqueued_, b.leaf_count, b.counts,
+                        extra_.neighbours);
+        launcher.launch(merge_, groups, references, b.cluster_counts, enqueued_, extra_.neighbours, b.leaves, b.inner,
+                        b.nodes, b.leaf_count, extra_.valid);
+        launcher.launch(count_valid_, groups, extra_.valid, b.cluster_counts, enqueued_, b.leaf_count, b.counts);
+        launcher.launch(scan_valid_, 1, b.counts, groups, b.cluster_counts, enqueued_, b.leaf_count);
+        launcher.launch(compact_, groups, references, extra_.valid, b.cluster_counts, enqueued_, b.leaf_count, b.counts,
                         compacted, b.root_reference);
     }
 
@@ -88,8 +92,8 @@ private:
     }
 
     const ClusterJob& job_;
-    Kernel &search_, &merge_, &count_valid_, &scan_counts_, &compact_;
-    cl::Buffer neighbours_, valid_;
+    Kernel &search_, &merge_, &count_valid_, &scan_valid_, &compact_;
+    ExtraViews extra_;
     std::uint32_t enqueued_ = 0;
 };
 

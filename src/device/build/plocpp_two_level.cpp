@@ -12,22 +12,21 @@ std::uint32_t most_ranges(const BuildSettings& settings) {
     return 2 * settings.range_count;
 }
 
-// extra: begins [most + 1] and total, survivors [most * radius], survivor counts [most]
+/// The memory of this builder alone.
 struct RangeViews {
-    std::uint64_t begins_bytes, total_at, survivors_at, survivors_bytes, counts_at, end;
-    explicit RangeViews(const BuildSettings& settings) {
-        const std::uint64_t most = most_ranges(settings);
-        begins_bytes = 4 * (most + 1);
-        total_at = align_for_views(begins_bytes);
-        survivors_at = total_at + align_for_views(4);
-        survivors_bytes = 4 * most * settings.search_radius;
-        counts_at = survivors_at + align_for_views(survivors_bytes);
-        end = counts_at + 4 * most;
-    }
+    RangeViews(const BuildSettings& settings, ArrayLayout layout)
+        : begins(layout.take_view(4 * (std::uint64_t{most_ranges(settings)} + 1))),
+          total(layout.take_view(4)),
+          survivors(layout.take_view(4 * std::uint64_t{most_ranges(settings)} * settings.search_radius)),
+          survivor_counts(layout.take_view(4 * std::uint64_t{most_ranges(settings)})),
+          bytes(layout.bytes()) {}
+
+    cl::Buffer begins, total, survivors, survivor_counts;
+    std::uint64_t bytes;
 };
 
 std::uint64_t extra_bytes(const BuildSettings& settings, std::uint32_t) {
-    return RangeViews(settings).end;
+    return RangeViews(settings, ArrayLayout()).bytes;
 }
 
 ProgramSpec program(const BuildSettings& settings) {
@@ -42,20 +41,17 @@ void cluster(const ClusterJob& job) {
     const auto kernel = [&](std::string_view name) -> Kernel& {
         return launcher.session().kernel(program(job.settings), name);
     };
-    const RangeViews views(job.settings);
-    const cl::Buffer begins = view_of(b.extra, 0, views.begins_bytes);
-    const cl::Buffer total = view_of(b.extra, views.total_at, 4);
-    const cl::Buffer survivors = view_of(b.extra, views.survivors_at, views.survivors_bytes);
-    const cl::Buffer survivor_counts = view_of(b.extra, views.counts_at, 4 * std::uint64_t{most});
+    const RangeViews extra(job.settings, ArrayLayout(b.extra));
     // The codes share memory with the references, so the ranges are cut before the leaves are numbered.
-    launcher.launch(kernel("extract_ranges"), 1, b.codes, b.leaf_count, job.settings.range_count, begins, total);
+    launcher.launch(kernel("extract_ranges"), 1, b.codes, b.leaf_count, job.settings.range_count, extra.begins,
+                    extra.total);
     launch_number_leaves(launcher, job.settings, b, job.leaf_count);
-    launcher.launch(kernel("cluster_ranges"), most, begins, total, b.references_a, b.references_b, b.leaves, b.inner,
-                    b.nodes, b.leaf_count, survivors, survivor_counts);
+    launcher.launch(kernel("cluster_ranges"), most, extra.begins, extra.total, b.references_a, b.references_b, b.leaves,
+                    b.inner, b.nodes, b.leaf_count, extra.survivors, extra.survivor_counts);
     launcher.count_bytes(
         round_bytes(job.leaf_count, job.leaf_count - 1, 0));  // at least: the rounds are the kernels' own
-    launcher.launch(kernel("finish_ranges"), 1, survivors, survivor_counts, b.references_a, b.references_b, b.leaves,
-                    b.inner, b.nodes, b.leaf_count, b.root_reference);
+    launcher.launch(kernel("finish_ranges"), 1, extra.survivors, extra.survivor_counts, b.references_a, b.references_b,
+                    b.leaves, b.inner, b.nodes, b.leaf_count, b.root_reference);
 }
 
 }  // namespace

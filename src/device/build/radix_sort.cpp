@@ -47,7 +47,7 @@ public:
     void scatter(std::string_view name, std::uint64_t bytes, const cl::Buffer& from, std::uint32_t shift,
                  std::uint32_t mask, const Arguments&... arguments) {
         if (settings_.sort_shape != Shape::lane) {
-            launcher_.launch(kernel("scan_counts"), 1, counts_, pieces_.count << settings_.sort_digit_bits());
+            launcher_.launch(kernel("scan_digits"), 1, counts_, pieces_.count << settings_.sort_digit_bits());
         }
         launcher_.launch(kernel(name), pieces_.count, from, primitive_count_, pieces_.length, shift, mask, counts_,
                          arguments...);

@@ -6,8 +6,9 @@
 
 #include "clbvh/core/error.hpp"
 #include "device/opencl/device_info.hpp"
+#include "device/opencl/kernel_dump.hpp"
 #include "device/opencl/kernel_source.hpp"
-#include "device/opencl/lane_self_test.hpp"
+#include "device/opencl/lane_shape_check.hpp"
 
 namespace clbvh::device {
 namespace {
@@ -23,7 +24,7 @@ std::string key_of(std::string_view file, const std::string& options) {
 std::string names_of(const std::vector<std::string_view>& files) {
     std::string names;
     for (const std::string_view file : files)
-        names += (names.empty() ? "kernels/" : ", kernels/") + std::string(file);
+        names += (names.empty() ? "" : ", ") + std::string(kernel_path(file));
     return names;
 }
 
@@ -83,6 +84,7 @@ std::vector<Session::Batch> Session::batches_of(std::initializer_list<std::span<
 
 cl::Program Session::build_program(const Batch& batch) const {
     const std::string source = kernel_source(batch.files);
+    dump_kernels(names_of(batch.files), batch.options, source);
     if (std::optional<cl::Program> kept = program_cache_.load(context_, device_, source, batch.options)) {
         return *std::move(kept);
     }
@@ -123,7 +125,7 @@ Kernel& Session::kernel(const ProgramSpec& program, std::string_view name) {
         return known->second;
     }
     if (!programs_.contains(program_key)) prepare({std::span(&program, 1)});
-    return with_opencl_errors("kernel " + std::string(name) + " of kernels/" + std::string(program.file),
+    return with_opencl_errors("kernel " + std::string(name) + " of " + std::string(kernel_path(program.file)),
                               [&]() -> Kernel& {
                                   Kernel kernel{cl::Kernel(programs_.at(program_key), std::string(name).c_str()),
                                                 std::string(name), program.work_group_size};
@@ -147,7 +149,7 @@ bool Session::prefers_lane_shape() {
         return false;
     }
     if (!lane_shape_works_) {
-        lane_shape_works_ = lane_shape_passes_self_test(*this);
+        lane_shape_works_ = lane_shape_passes_check(*this);
     }
     return *lane_shape_works_;
 }

@@ -34,17 +34,17 @@ std::span<const T> as_span(const std::vector<T>& values) {
 HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh) {
     if (bvh.empty()) return;
     check_fits(session, "nodes", bvh.nodes.size(), sizeof(Node));
-    check_fits(session, "references", bvh.primitive_ids.size(), plan_copy(settings, 1000).bytes() / 1000 + 1);
+    check_fits(session, "references", bvh.primitive_ids.size(), lay_out_scene(settings, 1000).bytes / 1000 + 1);
     check_fits(session, "vertices", mesh.vertices.size(), sizeof(Vec3));
     check_fits(session, "triangles", mesh.triangles.size(), sizeof(Triangle));
     with_opencl_errors("copying a scene to the device", [&] {
         scene_.node_count = static_cast<std::uint32_t>(bvh.nodes.size());
         scene_.nodes = {upload(session, as_span(bvh.nodes))};
-        copy_triangles(session, settings, bvh, mesh);
+        lay_out_triangles(session, settings, bvh, mesh);
     });
 }
 
-void HostScene::copy_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh) {
+void HostScene::lay_out_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh) {
     scene_.reference_count = static_cast<std::uint32_t>(bvh.primitive_ids.size());
     TraceScene from_mesh = scene_;
     from_mesh.primitive_ids = {upload(session, as_span(bvh.primitive_ids))};
@@ -53,9 +53,9 @@ void HostScene::copy_triangles(Session& session, const TraceSettings& settings, 
     from_mesh.mesh.triangles = upload(session, as_span(mesh.triangles));
     from_mesh.mesh.vertex_stride = sizeof(Vec3);
     from_mesh.mesh.triangle_stride = sizeof(Triangle);
-    scene_.copy = {allocate_buffer(session, plan_copy(settings, scene_.reference_count).bytes())};
+    scene_.layout = {allocate_buffer(session, lay_out_scene(settings, scene_.reference_count).bytes)};
     Launcher launcher(session, session.queue(), {});
-    launch_copy(launcher, settings, from_mesh, scene_.copy);
+    launch_layout(launcher, settings, from_mesh, scene_.layout);
     session.queue().finish();
 }
 
@@ -70,7 +70,7 @@ void HostScene::trace(Session& session, const TraceSettings& settings, std::span
         part.any = any;
         part.rays = {rays_.reserve(session, count * sizeof(Ray))};
         part.results = {results_.reserve(session, count * result_bytes)};
-        part.scratch = {scratch_.reserve(session, plan_trace(scene_.node_count).scratch_bytes())};
+        part.scratch = {scratch_.reserve(session, lay_out_trace_scratch(scene_.node_count).bytes)};
         if (!counts.empty()) part.counts = {counts_.reserve(session, count * sizeof(RayCounts))};
         queue.enqueueWriteBuffer(part.rays.buffer, CL_TRUE, 0, count * sizeof(Ray), rays.data() + begin);
         Launcher launcher(session, queue, {});

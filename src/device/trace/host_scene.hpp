@@ -26,7 +26,7 @@ public:
                std::span<std::byte> results, std::span<RayCounts> counts);
 
 private:
-    void copy_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh);
+    void lay_out_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh);
 
     TraceScene scene_;
     KeptBuffer rays_, results_, counts_, scratch_;

@@ -3,21 +3,17 @@
 #include <cstdint>
 #include <vector>
 
-#include "device/build/build_buffers.hpp"
+#include "device/opencl/device_fit.hpp"
 #include "device/opencl/launcher.hpp"
+#include "device/opencl/memory_block.hpp"
 #include "device/tree/parents.hpp"
 
 namespace clbvh::device {
 
 /// DeviceOptimizerOptions with everything chosen for one device.
-struct OptimizeSettings {
-    Shape shape = Shape::group;         ///< group or lane
-    std::uint32_t passes = 0;           ///< most of each optimiser; 0: its own limit
-    std::uint32_t treelet_leaves = 7;   ///< of `treelet`
-    std::size_t stream_group_size = 1;  ///< work items a group in kernels that pass over nodes; 1 in the lane shape
-    std::uint32_t groups_to_fill = 1;   ///< work groups that keep the whole device busy
-
-    [[nodiscard]] bool lane() const noexcept { return shape == Shape::lane; }
+struct OptimizeSettings : DeviceFit {
+    std::uint32_t passes = 0;          ///< most of each optimiser; 0: its own limit
+    std::uint32_t treelet_leaves = 7;  ///< of `treelet`
 };
 
 /// A tree to be improved in place.

@@ -6,7 +6,6 @@
 
 #include "clbvh/core/error.hpp"
 #include "core/check_field.hpp"
-#include "device/build/build_settings.hpp"
 
 namespace clbvh::device {
 namespace {
@@ -15,15 +14,10 @@ namespace {
 constexpr std::uint32_t kLeastNodes = 6;
 
 OptimizeSettings resolve(Session& session, const DeviceOptimizerOptions& options, Shape shape) {
-    BuildOptions build_options;
-    build_options.shape = shape;
-    const BuildSettings build = resolve_settings(build_options, session, {.chunks = false, .presets = false});
     OptimizeSettings settings;
-    settings.shape = build.shape;
+    static_cast<DeviceFit&>(settings) = fit_to_device(session, shape);
     settings.passes = options.passes;
     settings.treelet_leaves = options.treelet_leaves;
-    settings.stream_group_size = build.stream_group_size;
-    settings.groups_to_fill = build.groups_to_fill;
     return settings;
 }
 

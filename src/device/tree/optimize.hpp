@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "clbvh/device/device_optimizer.hpp"
+#include "clbvh/device/optimizer_options.hpp"
 #include "device/tree/device_optimizer_row.hpp"
 
 namespace clbvh::device {

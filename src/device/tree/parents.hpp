@@ -1,7 +1,8 @@
 #pragma once
 
-#include "device/build/build_buffers.hpp"
 #include "device/opencl/launcher.hpp"
+#include "device/opencl/memory_block.hpp"
+#include "kernels/tree/tree_constants.h"
 
 namespace clbvh::device {
 
@@ -15,8 +16,8 @@ struct TreeNodes {
 /// The kernels of this stage.
 [[nodiscard]] ProgramSpec parents_program(std::size_t work_group_size);
 
-/// What one group of such a pass takes: SLOTS_PER_GROUP of kernels/tree/tree_nodes.clh.
-inline constexpr std::uint32_t kSlotsPerGroup = 4096;
+/// What one group of such a pass takes.
+inline constexpr std::uint32_t kSlotsPerGroup = kernels::SLOTS_PER_GROUP;
 
 /// Groups for a pass over all slots of a tree, in kernels that include tree_nodes.clh.
 [[nodiscard]] std::size_t slot_groups(std::uint32_t node_count);

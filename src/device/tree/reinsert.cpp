@@ -2,17 +2,15 @@
 #include "device/tree/reinsert.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace clbvh::device {
 namespace {
 
 constexpr std::uint32_t kPasses = 32;
-constexpr std::uint64_t kRanks = 2049;  // RANKS of kernels/tree/reinsert_state.clh, as the next three
-constexpr std::uint64_t kControlBytes = 64;
-constexpr std::uint64_t kFoundBytes = 16;
-constexpr std::uint64_t kChangeBytes = 16;
-constexpr std::uint32_t kCandidatesDivisor = 10;  // MOST_PART of kernels/tree/reinsert_refit.cl
+constexpr std::uint64_t kRanks = kernels::RANKS;
+constexpr std::uint64_t kControlBytes = sizeof(cl_uint) * kernels::CONTROL_WORDS;
+constexpr std::uint64_t kFoundBytes = kernels::FOUND_BYTES;
+constexpr std::uint64_t kChangeBytes = kernels::CHANGE_BYTES;
 // Work groups of a launch over candidates, as multiples of those that fill the device: searches differ in work.
 constexpr std::uint32_t kLaneGroups = 16;
 constexpr std::uint32_t kGroups = 4;
@@ -32,7 +30,7 @@ std::uint64_t lane_local_bytes(const OptimizeSettings&) {
 }
 
 std::uint64_t scratch_bytes(const OptimizeSettings& settings, std::uint32_t node_count) {
-    return ReinsertViews(ReinsertSizes(settings, node_count), Block{}).bytes();
+    return ReinsertViews(ReinsertSizes(settings, node_count), ArrayLayout()).bytes;
 }
 
 void launch(const OptimizeJob& job) {
@@ -55,32 +53,26 @@ void launch(const OptimizeJob& job) {
 
 ReinsertSizes::ReinsertSizes(const OptimizeSettings& settings, std::uint32_t node_count)
     : nodes(node_count),
-      candidates(node_count / kCandidatesDivisor + 1),
+      candidates(node_count / kernels::MOST_PART_DIVISOR + 1),
       groups(std::min(std::uint64_t{settings.groups_to_fill} * (settings.lane() ? kLaneGroups : kGroups),
                       candidates / kLeastShare + 1)),
       blocks(slot_groups(node_count)) {}
 
-ReinsertViews::ReinsertViews(const ReinsertSizes& sizes, Block scratch) : scratch_(std::move(scratch)) {
-    parents = take(4 * sizes.nodes / 2);
-    arrivals = take(4 * sizes.nodes / 2);
-    ranks = take(2 * sizes.nodes);
-    locks = take(8 * sizes.nodes);
-    moving = take(4 * sizes.nodes);
-    histogram = take(4 * kRanks);
-    counts = take(8 * sizes.blocks);
-    found = take(kFoundBytes * sizes.candidates);
-    state = take(4 * sizes.candidates);
-    move_changes = take(kChangeBytes * sizes.groups);
-    box_changes = take(kChangeBytes * sizes.groups);
-    control = take(kControlBytes);
-    area = take(8);
-}
-
-cl::Buffer ReinsertViews::take(std::uint64_t bytes) {
-    const std::uint64_t begin = end_;
-    end_ += align_for_views(bytes);
-    return scratch_.buffer() != nullptr ? view_of(scratch_, begin, bytes) : cl::Buffer();
-}
+ReinsertViews::ReinsertViews(const ReinsertSizes& sizes, ArrayLayout layout)
+    : parents(layout.take_view(4 * sizes.nodes / 2)),
+      arrivals(layout.take_view(4 * sizes.nodes / 2)),
+      ranks(layout.take_view(2 * sizes.nodes)),
+      locks(layout.take_view(8 * sizes.nodes)),
+      moving(layout.take_view(4 * sizes.nodes)),
+      histogram(layout.take_view(4 * kRanks)),
+      counts(layout.take_view(8 * sizes.blocks)),
+      found(layout.take_view(kFoundBytes * sizes.candidates)),
+      state(layout.take_view(4 * sizes.candidates)),
+      move_changes(layout.take_view(kChangeBytes * sizes.groups)),
+      box_changes(layout.take_view(kChangeBytes * sizes.groups)),
+      control(layout.take_view(kControlBytes)),
+      area(layout.take_view(8)),
+      bytes(layout.bytes()) {}
 
 Kernel& ReinsertPasses::kernel(std::string_view file, const char* name) {
     return job_.launcher.session().kernel(ProgramSpec{file, job_.settings.stream_group_size, ""}, name);
@@ -110,7 +102,7 @@ void ReinsertPasses::begin() {
 void ReinsertPasses::choose() {
     launch(kChoose, "choose_threshold", 1, v_.histogram, static_cast<std::uint32_t>(sizes_.candidates), v_.control);
     launch_on_slots("count_candidates", v_.ranks, v_.control, v_.counts);
-    launch(kChoose, "scan_counts", 1, static_cast<std::uint32_t>(sizes_.blocks), v_.control, v_.counts);
+    launch(kChoose, "scan_candidates", 1, static_cast<std::uint32_t>(sizes_.blocks), v_.control, v_.counts);
     launch_on_slots("collect_candidates", v_.ranks, v_.control, v_.counts, v_.found);
 }
 

@@ -16,28 +16,20 @@ struct ReinsertSizes {
     ReinsertSizes(const OptimizeSettings& settings, std::uint32_t node_count);
 };
 
-/// Views of the scratch, one behind the other: kernels/reinsert*.cl say what each is. Without a buffer only the bytes
-/// are added up.
-class ReinsertViews {
-public:
-    ReinsertViews(const ReinsertSizes& sizes, Block scratch);
-    [[nodiscard]] std::uint64_t bytes() const noexcept { return end_; }
+/// Views of the scratch: kernels/tree/reinsert*.cl say what each is.
+struct ReinsertViews {
+    ReinsertViews(const ReinsertSizes& sizes, ArrayLayout layout);
 
     cl::Buffer parents, arrivals, ranks, locks, moving, histogram, counts, found, state, move_changes, box_changes,
         control, area;
-
-private:
-    cl::Buffer take(std::uint64_t bytes);
-
-    Block scratch_;
-    std::uint64_t end_ = 0;
+    std::uint64_t bytes;  ///< of all of them
 };
 
 /// The steps of reinsertion on one tree, in their order; all of a pass but begin() is repeated. None waits.
 class ReinsertPasses {
 public:
     explicit ReinsertPasses(const OptimizeJob& job)
-        : job_(job), sizes_(job.settings, job.tree.node_count), v_(sizes_, job.scratch) {}
+        : job_(job), sizes_(job.settings, job.tree.node_count), v_(sizes_, ArrayLayout(job.scratch)) {}
 
     void begin();                 ///< Finds parents, rates all nodes, adds up their areas.
     void choose();                ///< Candidates.
@@ -50,9 +42,6 @@ public:
 
     [[nodiscard]] const ReinsertViews& views() const noexcept { return v_; }
     [[nodiscard]] const ReinsertSizes& sizes() const noexcept { return sizes_; }
-
-    /// CANDIDATES, IS_UNDONE and PART of kernels/tree/reinsert_state.clh.
-    static constexpr std::size_t kCandidates = 1, kIsUndone = 5, kPart = 6;
 
 private:
     [[nodiscard]] const cl::Buffer& nodes() const { return job_.tree.nodes; }

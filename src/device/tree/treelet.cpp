@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::uint32_t kPasses = 3;
 constexpr std::uint32_t kLeastSize = 7;    // leaves below the roots of treelets, in the first pass
-constexpr std::uint32_t kSubtreeBits = 8;  // SUBTREE_BITS of treelet_walk.clh
+constexpr std::uint32_t kSubtreeBits = kernels::SUBTREE_BITS;
 constexpr std::uint64_t kLevels = 33 - kSubtreeBits;
 // Small groups wait little: a treelet has much that only a few work items can do.
 constexpr std::size_t kGroupSize = 32;
 // Work groups of a launch, as multiples of those that fill the device: subtrees differ in work.
 constexpr std::uint32_t kLaneGroups = 4;
 constexpr std::uint32_t kGroups = 16;
-constexpr std::uint32_t kTreeletsOfLane = 16;  // TREELETS of treelet_lane.clh
+constexpr std::uint32_t kTreeletsOfLane = kernels::TREELETS;
 
 ProgramSpec sizes_program(const OptimizeSettings& settings) {
     return {"treelet_sizes.cl", settings.stream_group_size, ""};
@@ -40,41 +40,37 @@ std::uint64_t lane_local_bytes(const OptimizeSettings& settings) {
     return 64 * (64 + 8 + settings.treelet_leaves + 6 * 8 + 6 * (subsets / 8) + 2 * subsets + 2);
 }
 
-// Arrays of four bytes a number, one behind the other.
-struct Plan {
-    std::uint64_t pairs, roots;  // numbers
+/// The arrays of one tree: kernels/tree/treelet_sizes.cl says what each is.
+struct TreeletViews {
+    TreeletViews(std::uint32_t node_count, ArrayLayout layout)
+        : pairs(node_count / 2),
+          parents(layout.take_view(4 * pairs)),
+          sizes(layout.take_view(4 * pairs)),
+          lists(layout.take_view(4 * (pairs / kLeastSize + (2 * pairs >> kSubtreeBits) + 1))),
+          counts(layout.take_view(4 * kLevels)),
+          bytes(layout.bytes()) {}
 
-    explicit Plan(std::uint32_t node_count)
-        : pairs(node_count / 2), roots(pairs / kLeastSize + (2 * pairs >> kSubtreeBits) + 1) {}
-
-    [[nodiscard]] std::uint64_t sizes_offset() const { return align_for_views(4 * pairs); }
-    [[nodiscard]] std::uint64_t lists_offset() const { return 2 * sizes_offset(); }
-    [[nodiscard]] std::uint64_t counts_offset() const { return lists_offset() + align_for_views(4 * roots); }
-    [[nodiscard]] std::uint64_t bytes() const { return counts_offset() + align_for_views(4 * kLevels); }
+    std::uint64_t pairs;
+    cl::Buffer parents, sizes, lists, counts;
+    std::uint64_t bytes;
 };
 
 std::uint64_t scratch_bytes(const OptimizeSettings&, std::uint32_t node_count) {
-    return Plan(node_count).bytes();
+    return TreeletViews(node_count, ArrayLayout()).bytes;
 }
 
 /// The passes over one tree.
 class TreeletPasses {
 public:
-    explicit TreeletPasses(const OptimizeJob& job)
-        : job_(job),
-          plan_(job.tree.node_count),
-          parents_(view_of(job.scratch, 0, 4 * plan_.pairs)),
-          sizes_(view_of(job.scratch, plan_.sizes_offset(), 4 * plan_.pairs)),
-          lists_(view_of(job.scratch, plan_.lists_offset(), 4 * plan_.roots)),
-          counts_(view_of(job.scratch, plan_.counts_offset(), 4 * kLevels)) {}
+    explicit TreeletPasses(const OptimizeJob& job) : job_(job), v_(job.tree.node_count, ArrayLayout(job.scratch)) {}
 
     void run() {
-        launch_parents(job_.launcher, job_.settings.stream_group_size, job_.tree, parents_);
-        clear(sizes_, job_.tree.node_count / 2);
-        launch_over_slots("count_leaves", parents_, sizes_);
+        launch_parents(job_.launcher, job_.settings.stream_group_size, job_.tree, v_.parents);
+        clear(v_.sizes, job_.tree.node_count / 2);
+        launch_over_slots("count_leaves", v_.parents, v_.sizes);
         const std::uint32_t passes = job_.settings.passes != 0 ? job_.settings.passes : kPasses;
         std::uint64_t least_size = std::max(kLeastSize, job_.settings.treelet_leaves);
-        for (std::uint32_t pass = 0; pass < passes && least_size <= plan_.pairs; ++pass, least_size *= 2)
+        for (std::uint32_t pass = 0; pass < passes && least_size <= v_.pairs; ++pass, least_size *= 2)
             restructure(static_cast<std::uint32_t>(least_size));
     }
 
@@ -91,14 +87,14 @@ private:
     }
 
     void restructure(std::uint32_t least_size) {
-        clear(counts_, std::uint32_t{kLevels});
-        launch_over_slots("list_subtrees", sizes_, least_size, lists_, counts_);
-        const auto last_level = static_cast<std::uint32_t>(std::bit_width(plan_.pairs >> kSubtreeBits));
+        clear(v_.counts, std::uint32_t{kLevels});
+        launch_over_slots("list_subtrees", v_.sizes, least_size, v_.lists, v_.counts);
+        const auto last_level = static_cast<std::uint32_t>(std::bit_width(v_.pairs >> kSubtreeBits));
         for (std::uint32_t level = 0; level <= last_level; ++level) {
             const std::uint64_t level_size = level == 0 ? 1 : std::uint64_t{1} << (kSubtreeBits + level - 1);
-            const std::uint64_t most = plan_.pairs / std::max<std::uint64_t>(least_size, level_size);
+            const std::uint64_t most = v_.pairs / std::max<std::uint64_t>(least_size, level_size);
             launch_on_tree(job_.launcher, job_.launcher.session().kernel(search_program(job_.settings), "restructure"),
-                           groups_for(most), job_.tree, sizes_, parents_, least_size, lists_, counts_, level);
+                           groups_for(most), job_.tree, v_.sizes, v_.parents, least_size, v_.lists, v_.counts, level);
         }
     }
 
@@ -110,8 +106,7 @@ private:
     }
 
     const OptimizeJob& job_;
-    Plan plan_;
-    cl::Buffer parents_, sizes_, lists_, counts_;
+    TreeletViews v_;
 };
 
 void launch(const OptimizeJob& job) {

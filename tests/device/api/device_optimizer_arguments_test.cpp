@@ -22,7 +22,7 @@ TEST_CASE("device optimizers: what is wrong with the arguments is named, and not
     const cl::CommandQueue foreign_queue(other_context, queue.getInfo<CL_QUEUE_DEVICE>());
     struct Arguments {
         cl_command_queue queue;
-        DeviceNodes tree;
+        DeviceBvh tree;
         DeviceSpan scratch;
         std::vector<cl_event> wait_list;
     };
@@ -80,16 +80,16 @@ TEST_CASE("device optimizers: memory is looked at even where there is nothing to
         DeviceOptimizer optimizer(ids, shared_context());
         CHECK(optimizer.scratch_bytes(4) == 0);
         expect_error(ErrorCode::invalid_input, {"the nodes", "no buffer"}, [&] {
-            optimizer.enqueue(queue, {{}, 4, {}}, {});
+            optimizer.enqueue(queue, {{}, 4}, {});
         });
         expect_error(ErrorCode::invalid_input, {"the nodes", "needs 128 bytes"}, [&] {
-            optimizer.enqueue(queue, {{small()}, 4, {}}, {});
+            optimizer.enqueue(queue, {{small()}, 4}, {});
         });
         expect_error(ErrorCode::invalid_input, {"the active count", "CL_MEM_WRITE_ONLY"}, [&] {
-            optimizer.enqueue(queue, {{small()}, 2, {write_only()}}, {});
+            optimizer.enqueue(queue, {{small()}, 2, {}, 0, {write_only()}}, {});
         });
         const OpenClCalls calls = opencl_calls_of([&] {
-            optimizer.enqueue(queue, {{small()}, 2, {}}, {});
+            optimizer.enqueue(queue, {{small()}, 2}, {});
             optimizer.enqueue(queue, {}, {});
         });
         CHECK(calls.launches == 0);

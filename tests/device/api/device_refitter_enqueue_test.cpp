@@ -29,22 +29,20 @@ void expect_refit_behind_build(DeviceBuilder& builder, const InputLayout& layout
     const auto primitives = static_cast<std::uint32_t>(mesh.triangles.size());
     DeviceTree tree(builder, layout, mesh);
     DeviceRefitter refitter = make_refitter(shape);
-    const DeviceNodes nodes = DeviceNodes::of(tree.result(), primitives);
-    const DeviceRefitSizes sizes = refitter.sizes(nodes.node_count, primitives);
+    const DeviceBvh bvh = DeviceBvh::of(tree.result(), primitives);
+    const DeviceRefitSizes sizes = refitter.sizes(bvh.node_count, primitives);
     const cl::Buffer order = filled_buffer(sizes.order), scratch = filled_buffer(sizes.scratch);
-    const cl::Buffer rest = filled_buffer(sizes.quality_scratch);
-    const cl::Buffer sah = filled_buffer(8), quality = filled_buffer(4);
+    const cl::Buffer rest = filled_buffer(sizes.cost_scratch);
+    const cl::Buffer sah = filled_buffer(8), last_cost = filled_buffer(4);
     cl::UserEvent begin(session().context());
     cl_event built = nullptr, ordered = nullptr, refitted = nullptr, rated = nullptr;
     const OpenClCalls calls = opencl_calls_of([&] {
         const cl::Event end = tree.enqueue(queue, {begin()});
         clRetainEvent(end());
         built = end();
-        refitter.enqueue_order(queue(), nodes, {order()}, {&built, 1}, &ordered);
-        refitter.enqueue(queue(), nodes,
-                         {tree.input(), tree.result().primitive_ids, primitives, {order()}, {scratch()}, {sah()}},
-                         {&ordered, 1}, &refitted);
-        refitter.enqueue_quality(queue(), nodes, {rest()}, {quality()}, {&refitted, 1}, &rated);
+        refitter.enqueue_order(queue(), bvh, {order()}, {&built, 1}, &ordered);
+        refitter.enqueue(queue(), bvh, {tree.input(), {order()}, {scratch()}, {sah()}}, {&ordered, 1}, &refitted);
+        refitter.enqueue_cost(queue(), bvh, {rest()}, {last_cost()}, {&refitted, 1}, &rated);
     });
     CHECK(calls.buffers == 0);
     CHECK(calls.programs == 0);
@@ -58,7 +56,7 @@ void expect_refit_behind_build(DeviceBuilder& builder, const InputLayout& layout
     CHECK(same_bytes(fitted, make_builder("hploc").build(mesh)));
     const double cost = sah_cost(fitted);
     expect_costs(read<float>(sah, 2), cost, cost);
-    CHECK(read<float>(quality, 1)[0] == Approx(cost).epsilon(1e-6));
+    CHECK(read<float>(last_cost, 1)[0] == Approx(cost).epsilon(1e-6));
     CHECK(tree.guards_are_whole());
 }
 
@@ -86,11 +84,11 @@ TEST_CASE("device refitter: trees without nodes cost nothing") {
     const Mesh mesh;
     DeviceRefitter refitter(shared_context());
     const RefitMemory memory(refitter, Bvh{}, mesh);
-    refitter.enqueue_order(shared_queue(), memory.nodes(), memory.order());
-    refitter.enqueue(shared_queue(), memory.nodes(), memory.refit());
+    refitter.enqueue_order(shared_queue(), memory.tree(), memory.order());
+    refitter.enqueue(shared_queue(), memory.tree(), memory.refit());
     CHECK(memory.read_sah() == std::vector{0.0f, 0.0f});
     fill_bytes(cl::Buffer(memory.sah().buffer, true), 0x5a);
-    refitter.enqueue_quality(shared_queue(), memory.nodes(), memory.scratch(), memory.sah());
+    refitter.enqueue_cost(shared_queue(), memory.tree(), memory.scratch(), memory.sah());
     CHECK(memory.read_sah()[0] == 0.0f);
     Mesh inactive = random_triangles(20);
     deactivate_triangles(inactive);
@@ -99,13 +97,12 @@ TEST_CASE("device refitter: trees without nodes cost nothing") {
     tree.enqueue();
     for (const Shape shape : kBothShapes) {
         DeviceRefitter shaped = make_refitter(shape);
-        const DeviceNodes nodes = DeviceNodes::of(tree.result(), 20);
+        const DeviceBvh bvh = DeviceBvh::of(tree.result(), 20);
         const DeviceRefitSizes sizes = shaped.sizes(40, 20);
         const cl::Buffer order = filled_buffer(sizes.order), scratch = filled_buffer(sizes.scratch);
         const Node root = tree.root();
-        shaped.enqueue_order(shared_queue(), nodes, {order()});
-        shaped.enqueue(shared_queue(), nodes,
-                       {tree.input(), tree.result().primitive_ids, 20, {order()}, {scratch()}, memory.sah()});
+        shaped.enqueue_order(shared_queue(), bvh, {order()});
+        shaped.enqueue(shared_queue(), bvh, {tree.input(), {order()}, {scratch()}, memory.sah()});
         CHECK(memory.read_sah() == std::vector{0.0f, 0.0f});
         CHECK(tree.root() == root);
     }
@@ -118,42 +115,41 @@ TEST_CASE("device refitter: what is wrong with memory of the caller's is named, 
     const RefitMemory memory(refitter, tree, mesh);
     const cl::Buffer read_only(session().context(), CL_MEM_READ_ONLY, 1 << 20);
     const auto expect_refused = [&](std::initializer_list<std::string> words, auto&& change) {
-        DeviceNodes nodes = memory.nodes();
+        DeviceBvh bvh = memory.tree();
         DeviceRefit refit = memory.refit();
         cl_command_queue queue = shared_queue();
-        change(queue, nodes, refit);
+        change(queue, bvh, refit);
         const OpenClCalls calls = opencl_calls_of(
-            [&] { expect_error(ErrorCode::invalid_input, words, [&] { refitter.enqueue(queue, nodes, refit); }); });
+            [&] { expect_error(ErrorCode::invalid_input, words, [&] { refitter.enqueue(queue, bvh, refit); }); });
         CHECK(calls.launches == 0);
     };
-    using Nodes = DeviceNodes&;
+    using Tree = DeviceBvh&;
     using Refit = DeviceRefit&;
     using Queue = cl_command_queue&;
-    expect_refused({"queue is null"}, [](Queue queue, Nodes, Refit) { queue = nullptr; });
-    expect_refused({"the nodes", "no buffer"}, [](Queue, Nodes nodes, Refit) { nodes.nodes = {}; });
-    expect_refused({"the nodes", "needs 32000000 bytes"},
-                   [](Queue, Nodes nodes, Refit) { nodes.node_count = 1000000; });
-    expect_refused({"the nodes", "multiple of"}, [](Queue, Nodes nodes, Refit) { nodes.nodes.offset = 32; });
-    expect_refused({"the active count's offset"}, [&](Queue, Nodes nodes, Refit) {
-        nodes.active_count = {read_only(), 2};
+    expect_refused({"queue is null"}, [](Queue queue, Tree, Refit) { queue = nullptr; });
+    expect_refused({"the nodes", "no buffer"}, [](Queue, Tree given, Refit) { given.nodes = {}; });
+    expect_refused({"the nodes", "needs 32000000 bytes"}, [](Queue, Tree given, Refit) { given.node_count = 1000000; });
+    expect_refused({"the nodes", "multiple of"}, [](Queue, Tree given, Refit) { given.nodes.offset = 32; });
+    expect_refused({"the active count's offset"}, [&](Queue, Tree given, Refit) {
+        given.active_count = {read_only(), 2};
     });
     expect_refused({"the active count", "the nodes"},
-                   [](Queue, Nodes nodes, Refit) { nodes.active_count = nodes.nodes; });
-    expect_refused({"the primitive ids", "no buffer"}, [](Queue, Nodes, Refit r) { r.primitive_ids = {}; });
+                   [](Queue, Tree given, Refit) { given.active_count = given.nodes; });
+    expect_refused({"the primitive ids", "no buffer"}, [](Queue, Tree given, Refit) { given.primitive_ids = {}; });
     expect_refused({"the primitive ids", "CL_MEM_READ_WRITE"},
-                   [&](Queue, Nodes, Refit r) { r.primitive_ids = {read_only()}; });
-    expect_refused({"the order", "no buffer"}, [](Queue, Nodes, Refit r) { r.order = {}; });
-    expect_refused({"the order", "needs"}, [](Queue, Nodes, Refit r) { r.order.offset = 4096; });
-    expect_refused({"the scratch", "needs"}, [](Queue, Nodes, Refit r) { r.scratch.offset = 4096; });
-    expect_refused({"the order and the scratch overlap"}, [](Queue, Nodes, Refit r) { r.order = r.scratch; });
-    expect_refused({"the costs' offset"}, [](Queue, Nodes, Refit r) { r.sah.offset = 2; });
-    expect_refused({"the costs", "CL_MEM_READ_WRITE"}, [&](Queue, Nodes, Refit r) { r.sah = {read_only()}; });
+                   [&](Queue, Tree given, Refit) { given.primitive_ids = {read_only()}; });
+    expect_refused({"the order", "no buffer"}, [](Queue, Tree, Refit r) { r.order = {}; });
+    expect_refused({"the order", "needs"}, [](Queue, Tree, Refit r) { r.order.offset = 4096; });
+    expect_refused({"the scratch", "needs"}, [](Queue, Tree, Refit r) { r.scratch.offset = 4096; });
+    expect_refused({"the order and the scratch overlap"}, [](Queue, Tree, Refit r) { r.order = r.scratch; });
+    expect_refused({"the costs' offset"}, [](Queue, Tree, Refit r) { r.sah.offset = 2; });
+    expect_refused({"the costs", "CL_MEM_READ_WRITE"}, [&](Queue, Tree, Refit r) { r.sah = {read_only()}; });
     expect_refused({"the vertices", "no buffer"},
-                   [](Queue, Nodes, Refit r) { std::get<DeviceTriangles>(r.input).vertices = {}; });
+                   [](Queue, Tree, Refit r) { std::get<DeviceTriangles>(r.input).vertices = {}; });
     expect_error(ErrorCode::invalid_input, {"the order", "no buffer"},
-                 [&] { refitter.enqueue_order(shared_queue(), memory.nodes(), {}); });
+                 [&] { refitter.enqueue_order(shared_queue(), memory.tree(), {}); });
     expect_error(ErrorCode::invalid_input, {"the scratch", "no buffer"},
-                 [&] { refitter.enqueue_quality(shared_queue(), memory.nodes(), {}, memory.sah()); });
+                 [&] { refitter.enqueue_cost(shared_queue(), memory.tree(), {}, memory.sah()); });
     expect_error(ErrorCode::invalid_input, {"cost"}, [] {
         static_cast<void>(make_refitter(Shape::automatic, {-1.0, 1.0}));
     });

@@ -35,15 +35,15 @@ void expect_refit(const Bvh& tree, const Mesh& mesh, const SahCosts& costs = {})
         INFO(to_string(shape) << ", " << mesh.triangles.size() << " triangles");
         DeviceRefitter refitter = make_refitter(shape, costs);
         const RefitMemory memory(refitter, tree, mesh);
-        refitter.enqueue_order(shared_queue(), memory.nodes(), memory.order());
-        refitter.enqueue_quality(shared_queue(), memory.nodes(), memory.scratch(), memory.sah());
+        refitter.enqueue_order(shared_queue(), memory.tree(), memory.order());
+        refitter.enqueue_cost(shared_queue(), memory.tree(), memory.scratch(), memory.sah());
         const double quality = sah_cost(tree, costs);
         CHECK(memory.read_sah()[0] == Approx(quality).epsilon(1e-6));
         Bvh expected = tree;
         for (const Mesh& frame : frames) {
             const RefitStats stats = clbvh::refit(expected, frame, costs);
             memory.move(frame);
-            refitter.enqueue(shared_queue(), memory.nodes(), memory.refit());
+            refitter.enqueue(shared_queue(), memory.tree(), memory.refit());
             CHECK(same_bytes(memory.read_tree(), expected));
             expect_costs(memory.read_sah(), stats.sah_before, stats.sah_after);
         }
@@ -97,14 +97,14 @@ TEST_CASE("device refitter: where the root has no area all nodes count as hit, b
             INFO(to_string(shape));
             DeviceRefitter refitter = make_refitter(shape);
             const RefitMemory memory(refitter, tree, line);
-            refitter.enqueue_order(shared_queue(), memory.nodes(), memory.order());
+            refitter.enqueue_order(shared_queue(), memory.tree(), memory.order());
             double cost = sah_cost(tree);
             for (const Mesh& frame : flat_and_other_frames(line)) {
-                refitter.enqueue_quality(shared_queue(), memory.nodes(), memory.scratch(), memory.sah());
+                refitter.enqueue_cost(shared_queue(), memory.tree(), memory.scratch(), memory.sah());
                 CHECK(memory.read_sah()[0] == Approx(cost).epsilon(1e-6));
                 const double before = cost;
                 memory.move(frame);
-                refitter.enqueue(shared_queue(), memory.nodes(), memory.refit());
+                refitter.enqueue(shared_queue(), memory.tree(), memory.refit());
                 cost = sah_cost(memory.read_tree());
                 expect_costs(memory.read_sah(), before, cost);
             }
@@ -124,9 +124,9 @@ TEST_CASE("device refitter: primitives with a NaN count for nothing, and leaves 
     for (const Shape shape : kBothShapes) {
         DeviceRefitter refitter = make_refitter(shape);
         const RefitMemory memory(refitter, tree, mesh);
-        refitter.enqueue_order(shared_queue(), memory.nodes(), memory.order());
+        refitter.enqueue_order(shared_queue(), memory.tree(), memory.order());
         memory.move(partly);
-        refitter.enqueue(shared_queue(), memory.nodes(), memory.refit());
+        refitter.enqueue(shared_queue(), memory.tree(), memory.refit());
         const Bvh fitted = memory.read_tree();
         Aabb all;
         for (std::size_t i = 1; i < mesh.triangles.size(); i += 2)
@@ -142,11 +142,11 @@ TEST_CASE("device refitter: primitives with a NaN count for nothing, and leaves 
             CHECK(node.bounds() == box);
         }
         memory.move(without);
-        refitter.enqueue(shared_queue(), memory.nodes(), memory.refit());
+        refitter.enqueue(shared_queue(), memory.tree(), memory.refit());
         CHECK(memory.read_tree().nodes[0].bounds() == Aabb{});
         CHECK(memory.read_sah()[1] == 0.0f);
         memory.move(mesh);
-        refitter.enqueue(shared_queue(), memory.nodes(), memory.refit());
+        refitter.enqueue(shared_queue(), memory.tree(), memory.refit());
         CHECK(same_bytes(memory.read_tree(), tree));
     }
 }

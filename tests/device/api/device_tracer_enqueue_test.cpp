@@ -36,7 +36,7 @@ cl_command_queue shared_queue() {
 
 }  // namespace
 
-TEST_CASE("device tracer: triangles in any form, and copied in the order of the leaves") {
+TEST_CASE("device tracer: triangles in any form, and in a traversal layout") {
     Mesh mesh = random_triangles(3000);
     const std::vector<Ray> rays = rays_for(mesh);
     deactivate_triangles(mesh, 0, 7);
@@ -51,8 +51,8 @@ TEST_CASE("device tracer: triangles in any form, and copied in the order of the 
             const DeviceRayMemory memory(tracer, scene.bvh, rays);
             for (const bool is_copied : {false, true}) {
                 if (is_copied) {
-                    scene.copy = memory.copy();
-                    tracer.enqueue_copy(shared_queue(), scene);
+                    scene.layout = memory.layout();
+                    tracer.enqueue_layout(shared_queue(), scene);
                     scene.triangles = {};
                 }
                 Found found(rays.size());
@@ -76,7 +76,7 @@ TEST_CASE("device tracer: triangles in any form, and copied in the order of the 
     }
 }
 
-TEST_CASE("device tracer: a build, a copy and rays follow each other on any queue, and nobody waits") {
+TEST_CASE("device tracer: a build, a layout and rays follow each other on any queue, and nobody waits") {
     const Mesh mesh = random_triangles(2000);
     const std::vector<Ray> rays = rays_for(mesh);
     DeviceBuilder builder("hploc", shared_context());
@@ -90,14 +90,14 @@ TEST_CASE("device tracer: a build, a copy and rays follow each other on any queu
         tree.clear_input();
         DeviceScene scene = scene_of(tree);
         const DeviceRayMemory memory(tracer, scene.bvh, rays);
-        scene.copy = memory.copy();
+        scene.layout = memory.layout();
         cl::UserEvent written(shared_context().session().context());
-        cl_event copied = nullptr, traced = nullptr;
+        cl_event laid_out = nullptr, traced = nullptr;
         const cl::Event built = tree.enqueue(queue, {written()});
         cl_event built_event = built();
-        tracer.enqueue_copy(queue(), scene, {&built_event, 1}, &copied);
-        tracer.enqueue_closest(queue(), scene, memory.rays(), {&copied, 1}, &traced);
-        const cl::Event copy(copied), end(traced);
+        tracer.enqueue_layout(queue(), scene, {&built_event, 1}, &laid_out);
+        tracer.enqueue_closest(queue(), scene, memory.rays(), {&laid_out, 1}, &traced);
+        const cl::Event layout(laid_out), end(traced);
         queue.flush();
         CHECK(end.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
         tree.write_input(own_queue());
@@ -118,10 +118,10 @@ TEST_CASE("device tracer: enqueuing allocates nothing, builds nothing and waits 
     for_each_tracer([&](DeviceTracer& tracer) {
         DeviceScene scene = scene_of(tree);
         const DeviceRayMemory memory(tracer, scene.bvh, rays);
-        scene.copy = memory.copy();
+        scene.layout = memory.layout();
         const OpenClCalls calls = opencl_calls_of([&] {
             tree.enqueue_only();
-            tracer.enqueue_copy(shared_queue(), scene);
+            tracer.enqueue_layout(shared_queue(), scene);
             tracer.enqueue_closest(shared_queue(), scene, memory.rays());
             tracer.enqueue_any(shared_queue(), scene, memory.rays());
         });
@@ -143,14 +143,14 @@ TEST_CASE("device tracer: every ray misses where no primitive is active, and whe
     for_each_tracer([&](DeviceTracer& tracer) {
         const Found nothing(rays.size());
         const DeviceRayMemory memory(tracer, scene_of(tree).bvh, rays);
-        DeviceScene copied = scene_of(tree);
-        copied.copy = memory.copy();
-        tracer.enqueue_copy(shared_queue(), copied);
-        tracer.enqueue_copy(shared_queue(), DeviceScene{});
-        DeviceScene unnamed = copied;  // nodes, and none of the references that leaves would need
+        DeviceScene laid_out = scene_of(tree);
+        laid_out.layout = memory.layout();
+        tracer.enqueue_layout(shared_queue(), laid_out);
+        tracer.enqueue_layout(shared_queue(), DeviceScene{});
+        DeviceScene unnamed = laid_out;  // nodes, and none of the references that leaves would need
         unnamed.bvh.reference_count = 0;
-        tracer.enqueue_copy(shared_queue(), unnamed);
-        for (const DeviceScene& scene : {scene_of(tree), copied, unnamed, DeviceScene{}}) {
+        tracer.enqueue_layout(shared_queue(), unnamed);
+        for (const DeviceScene& scene : {scene_of(tree), laid_out, unnamed, DeviceScene{}}) {
             tracer.enqueue_closest(shared_queue(), scene, memory.rays());
             CHECK(count_differences(memory.hits(), nothing.hits) == 0);
             CHECK(count_differences(memory.counts(), nothing.closest_counts) == 0);
@@ -236,12 +236,14 @@ TEST_CASE("device tracer: what is wrong with memory of the caller's is named, an
     expect_refused({"the primitive ids' offset"}, [](Arguments& a) { a.scene.bvh.primitive_ids.offset += 2; });
     expect_refused({"the vertices", "no buffer"}, [](Arguments& a) { a.scene.triangles.vertices = {}; });
     expect_refused({"the vertices' stride is 8"}, [](Arguments& a) { a.scene.triangles.vertex_stride = 8; });
-    expect_refused({"the copy", "needs", "bytes"}, [&](Arguments& a) { a.scene.copy = {read_only(), (1 << 20) - 64}; });
+    expect_refused({"the layout", "needs", "bytes"}, [&](Arguments& a) {
+        a.scene.layout = {read_only(), (1 << 20) - 64};
+    });
     static const cl::Buffer write_only(shared_context().session().context(), CL_MEM_WRITE_ONLY, 1 << 20);
     expect_refused({"the nodes", "CL_MEM_WRITE_ONLY"}, [](Arguments& a) { a.scene.bvh.nodes = {write_only()}; });
     expect_refused({"the primitive ids", "CL_MEM_WRITE_ONLY"},
                    [](Arguments& a) { a.scene.bvh.primitive_ids = {write_only()}; });
-    expect_refused({"the copy", "CL_MEM_WRITE_ONLY"}, [](Arguments& a) { a.scene.copy = {write_only()}; });
+    expect_refused({"the layout", "CL_MEM_WRITE_ONLY"}, [](Arguments& a) { a.scene.layout = {write_only()}; });
     expect_refused({"the rays", "CL_MEM_WRITE_ONLY"}, [](Arguments& a) { a.rays.rays = {write_only()}; });
     expect_refused({"the rays", "no buffer"}, [](Arguments& a) { a.rays.rays = {}; });
     expect_refused({"the rays", "needs 3232 bytes"}, [](Arguments& a) { a.rays.count = 101; });
@@ -261,14 +263,14 @@ TEST_CASE("device tracer: what is wrong with memory of the caller's is named, an
         a.rays.count = 1;
         a.rays.results = a.scene.bvh.nodes;
     });
-    Arguments copy = sound;
+    Arguments layout = sound;
     const cl::Buffer large(shared_context().session().context(), CL_MEM_READ_WRITE, 1 << 20);
-    copy.scene.copy = {large(), 8};
-    expect_error(ErrorCode::invalid_input, {"the copy", "multiple of 64"},
-                 [&] { tracer.enqueue_copy(copy.queue, copy.scene); });
-    copy.scene.copy = {read_only()};
-    expect_error(ErrorCode::invalid_input, {"the copy", "CL_MEM_READ_WRITE"},
-                 [&] { tracer.enqueue_copy(copy.queue, copy.scene); });
+    layout.scene.layout = {large(), 8};
+    expect_error(ErrorCode::invalid_input, {"the layout", "multiple of 64"},
+                 [&] { tracer.enqueue_layout(layout.queue, layout.scene); });
+    layout.scene.layout = {read_only()};
+    expect_error(ErrorCode::invalid_input, {"the layout", "CL_MEM_READ_WRITE"},
+                 [&] { tracer.enqueue_layout(layout.queue, layout.scene); });
     DeviceRays too_many = sound.rays;
     too_many.count = kMaxDeviceRays + 1;
     expect_error(ErrorCode::unsupported, {"2147483648 rays", "2147483647"},

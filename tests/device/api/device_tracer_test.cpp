@@ -91,23 +91,22 @@ TEST_CASE("device tracer: trees with leaves of several triangles, with split one
     }
 }
 
-TEST_CASE("device tracer: any block, group, stack and persistent groups find the same") {
+TEST_CASE("device tracer: any block, group and stack find the same") {
     const Mesh mesh = generate_scene("soup", 3000);
     const std::vector<Ray> rays = rays_for(mesh);
     const Bvh bvh = build(mesh, "locally-ordered");
     const Found expected = found_by_host(bvh, mesh, TriangleTest::watertight, rays);
     struct Row {
         Shape shape;
-        std::uint32_t block, stack, persistent;
+        std::uint32_t block, stack;
     };
-    for (const Row& row : {Row{Shape::group, 1, 1, 3}, Row{Shape::group, 100, 5, 0}, Row{Shape::lane, 1, 1, 0},
-                           Row{Shape::lane, 100, 5, 3}}) {
-        INFO(to_string(row.shape) << ", " << row.block << ", " << row.stack << ", " << row.persistent);
+    for (const Row& row :
+         {Row{Shape::group, 1, 1}, Row{Shape::group, 100, 5}, Row{Shape::lane, 1, 1}, Row{Shape::lane, 100, 5}}) {
+        INFO(to_string(row.shape) << ", " << row.block << ", " << row.stack);
         DeviceTracerOptions options = tracer_options(row.shape);
         options.work_group_size = 16;
         options.block_rays = row.block;
         options.stack_entries = row.stack;
-        options.persistent_groups = row.persistent;
         DeviceTracer tracer(shared_context(), options);
         CHECK(tracer.shape() == row.shape);
         tracer.set_scene(bvh, mesh);
@@ -167,7 +166,6 @@ TEST_CASE("device tracer: options out of range are refused") {
     expect_refused({"work_group_size is 1"}, [](auto& o) { o.work_group_size = 1; });
     expect_refused({"block_rays is 65537"}, [](auto& o) { o.block_rays = 65537; });
     expect_refused({"stack_entries is 1025"}, [](auto& o) { o.stack_entries = 1025; });
-    expect_refused({"persistent_groups is 65537"}, [](auto& o) { o.persistent_groups = 65537; });
 }
 
 TEST_CASE("device tracer: what is wrong with a scene of the host, or with spans, is named") {

@@ -13,7 +13,6 @@
 using namespace clbvh;
 using namespace clbvh::test;
 using device::BoxOrder;
-using device::BuildBuffers;
 using device::BuildMemory;
 using device::MemoryPlan;
 using device::OwnMemory;
@@ -86,10 +85,10 @@ void expect_views_apart(const BuildMemory& m, const MemoryPlan& p) {
                  {{"bounds", b.bounds},
                   {"partial_bounds", b.partial_bounds},
                   {"partial_counts", b.partial_counts},
+                  {"leaf_count", b.leaf_count},
                   {"counts", b.counts},
                   {"morton_tables", b.morton_tables},
                   {"morton_parameters", b.morton_parameters},
-                  {"leaf_count", b.leaf_count},
                   {"root_reference", b.root_reference},
                   {"cluster_counts", b.cluster_counts}});
     if (p.box_order == BoxOrder::morton) {
@@ -114,8 +113,8 @@ void expect_views_apart(const BuildMemory& m, const MemoryPlan& p) {
     CHECK(size_of(sort.front().buffer) == 8 * n);
     CHECK(size_of(b.codes) == 8 * n);
     CHECK(size_of(b.boxes) >= 24 * n + 8);
-    CHECK(size_of(b.counts) >= 4 * BuildBuffers::kMostPieces);
-    CHECK(size_of(b.partial_bounds) == 48 * BuildBuffers::kMostPieces);
+    CHECK(size_of(b.counts) >= 4 * device::kMostPieces);
+    CHECK(size_of(b.partial_bounds) == 48 * device::kMostPieces);
 }
 
 /// This machine's device, said to allocate this much at once.
@@ -128,8 +127,7 @@ DeviceInfo device_with_largest_allocation(std::uint64_t bytes) {
 /// Runs the builder on `on` with memory of the caller's and returns the nodes.
 std::vector<Node> run_plocpp(Session& on, OwnMemory& memory, const device::DeviceMesh& mesh) {
     const ProgressCallback none;
-    device::PipelineEnd end;
-    (void)device::run_pipeline(on, device::kPlocpp, settings_of(options_of(Shape::lane)), none, mesh, memory, end);
+    (void)device::run_pipeline(on, device::kPlocpp, settings_of(options_of(Shape::lane)), none, mesh, memory, {});
     std::vector<Node> nodes(2 * std::size_t{mesh.active_count});
     on.queue().enqueueReadBuffer(memory.buffers().nodes, CL_TRUE, 0, nodes.size() * sizeof(Node), nodes.data());
     return nodes;
@@ -200,10 +198,13 @@ TEST_CASE("buffers: views that are alive together do not meet, and hold what the
 TEST_CASE("buffers: blocks may be parts of one buffer") {
     for (const BoxOrder box_order : {BoxOrder::morton, BoxOrder::input}) {
         const MemoryPlan planned = plan(3000, 100, box_order);
-        const std::uint64_t ids_at = 4096 + device::align_for_views(planned.nodes);
-        const std::uint64_t scratch_at = ids_at + device::align_for_views(planned.primitive_ids);
-        const cl::Buffer all(session().context(), CL_MEM_READ_WRITE, scratch_at + planned.scratch_bytes());
-        const BuildMemory memory = device::cut_scratch({all, 4096}, {all, ids_at}, {all, scratch_at}, planned);
+        device::ArrayLayout sizes;
+        sizes.take(4096);
+        const std::uint64_t nodes_at = sizes.take(planned.nodes).offset;
+        const std::uint64_t ids_at = sizes.take(planned.primitive_ids).offset;
+        const std::uint64_t scratch_at = sizes.take(planned.scratch_bytes()).offset;
+        const cl::Buffer all(session().context(), CL_MEM_READ_WRITE, sizes.bytes());
+        const BuildMemory memory = device::cut_scratch({all, nodes_at}, {all, ids_at}, {all, scratch_at}, planned);
         CHECK(planned.scratch_bytes() >= planned.bytes() - planned.nodes - planned.primitive_ids);
         expect_views_apart(memory, planned);
     }

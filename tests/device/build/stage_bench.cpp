@@ -26,8 +26,8 @@ device::BuildSettings settings_of(const BuildOptions& options) {
 
 device::BuildSettings large_device_settings(const BuildOptions& options) {
     device::BuildSettings settings = settings_of(options);
-    settings.groups_to_fill = device::BuildBuffers::kMostPieces;
-    settings.most_sort_pieces = device::BuildBuffers::kMostPieces;
+    settings.groups_to_fill = device::kMostPieces;
+    settings.most_sort_pieces = device::kMostPieces;
     return settings;
 }
 

@@ -128,6 +128,44 @@ TEST_CASE("kernel source: every file is the one that the build embedded, with it
     }
 }
 
+TEST_CASE("kernel source: #line says of every line which file's it is, and which") {
+    for (const std::string& program : programs()) {
+        INFO(program);
+        std::map<std::string, std::vector<std::string>> files;  // by path
+        for (const device::KernelFile& file : kernel_files())
+            files[file.path] = lines_of(file.text);
+        const std::vector<std::string>* file = nullptr;
+        std::size_t next = 0;
+        std::size_t misplaced = 0;
+        for (const std::string& line : lines_of(device::kernel_source(program))) {
+            if (line.starts_with("#line ")) {
+                std::istringstream words(line.substr(6));
+                std::string path;
+                words >> next >> path;
+                const auto found = files.find(path.substr(1, path.size() - 2));
+                REQUIRE(found != files.end());
+                file = &found->second;
+                continue;
+            }
+            REQUIRE(file != nullptr);
+            misplaced += next > file->size() || (*file)[next - 1] != line ? 1 : 0;
+            ++next;
+        }
+        CHECK(misplaced == 0);
+    }
+}
+
+TEST_CASE("kernel source: the log of a program that does not build names the file and the line") {
+    const std::vector<std::string> lines = lines_of(embedded("node.clh"));
+    const auto faulty = std::ranges::find_if(lines, [](const std::string& line) {
+        return line.find("static inline uint node_first(") != std::string::npos;
+    });
+    REQUIRE(faulty != lines.end());
+    const std::string_view files[] = {"plocpp.cl"};
+    const BuiltProgram built = build_together(files, "-D node_first=!");
+    CHECK_THAT(built.log, Catch::Contains("kernels/core/node.clh:" + std::to_string(faulty - lines.begin() + 1) + ":"));
+}
+
 TEST_CASE("kernel source: a file that is included twice stands there once, before what needs it") {
     const std::string source = device::kernel_source("plocpp_two_level.cl");
     for (const char* const name : {"work_group.clh", "aabb.clh", "node.clh", "scan.clh", "cluster.clh", "chunk.clh"}) {
@@ -155,7 +193,7 @@ TEST_CASE("kernel source: each program compiles alone, without a warning, in bot
 
 TEST_CASE("kernel source: the files that every builder uses can be one program") {
     const std::string_view files[] = {"bounds.cl", "morton.cl", "radix_sort.cl",
-                                      "layout.cl", "leaves.cl", "lane_self_test.cl"};
+                                      "root.cl",   "leaves.cl", "lane_shape_check.cl"};
     for (const char* const options : {"-D WORK_GROUP_SIZE=1", "-D WORK_GROUP_SIZE=256"})
         CHECK(build_together(files, options).log == "");
     // Where two files have a size of the same name, the first one's default is that of both.

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr ContextOptions kOn{ProgramCaching::on};
-constexpr const char* kFile = "layout.cl";
+constexpr const char* kFile = "root.cl";
 constexpr const char* kOptions = "-cl-std=CL1.2 -D WORK_GROUP_SIZE=1";
 
 DeviceInfo real_device() {

@@ -54,7 +54,7 @@ TEST_CASE("session: the same kernel is built once, another size or option is ano
     Kernel& group = number_leaves(session, 64);
     CHECK(group.work_group_size == 64);
     CHECK(group.kernel() != handle);
-    CHECK(number_leaves(session, 1, " -D GATHER_AHEAD=4").kernel() != handle);
+    CHECK(number_leaves(session, 1, " -D WORD=4").kernel() != handle);
     CHECK(&number_leaves(session, 1) == &kernel);
     CHECK(number_leaves(session, 1).kernel() == handle);
 }
@@ -90,9 +90,9 @@ TEST_CASE("session: kernels and files that do not exist are errors that name the
 
 TEST_CASE("session: what was prepared is not built again, and files of a group are one program where that is cheaper") {
     Session session(shared_context().device());
-    const device::ProgramSpec layout{"layout.cl", 1, ""};
-    const device::ProgramSpec self_test{"lane_self_test.cl", 1, ""};
-    const device::ProgramSpec group[] = {layout, self_test, {"leaves.cl", 64, ""}};
+    const device::ProgramSpec root{"root.cl", 1, ""};
+    const device::ProgramSpec check{"lane_shape_check.cl", 1, ""};
+    const device::ProgramSpec group[] = {root, check, {"leaves.cl", 64, ""}};
     const device::ProgramSpec own{"lbvh.cl", 1, ""};
     const bool joined = session.joins_programs();
     CHECK(joined == (shared_context().device().platform == "Portable Computing Language"));
@@ -101,17 +101,17 @@ TEST_CASE("session: what was prepared is not built again, and files of a group a
     const auto program_of = [&](const device::ProgramSpec& spec, std::string_view name) {
         return session.kernel(spec, name).kernel.getInfo<CL_KERNEL_PROGRAM>()();
     };
-    CHECK((program_of(layout, "write_root") == program_of(self_test, "lane_self_test")) == joined);
-    CHECK(program_of(own, "build_pieces") != program_of(layout, "write_root"));
+    CHECK((program_of(root, "write_root") == program_of(check, "lane_shape_check")) == joined);
+    CHECK(program_of(own, "build_pieces") != program_of(root, "write_root"));
     session.prepare({group});
     CHECK(session.program_count() == (joined ? 3 : 4));
-    CHECK(program_of({"layout.cl", 64, ""}, "write_root") != program_of(layout, "write_root"));
+    CHECK(program_of({"root.cl", 64, ""}, "write_root") != program_of(root, "write_root"));
     CHECK(session.program_count() == (joined ? 4 : 5));
 }
 
 TEST_CASE("session: a program that does not build keeps none of its group, and names its files") {
     Session session(shared_context().device());
-    const device::ProgramSpec group[] = {{"layout.cl", 1, " -D SEARCH_RADIUS=not_a_number"},
+    const device::ProgramSpec group[] = {{"root.cl", 1, " -D SEARCH_RADIUS=not_a_number"},
                                          {"plocpp.cl", 1, " -D SEARCH_RADIUS=not_a_number"}};
     expect_error(ErrorCode::device_failure, {"kernels/cluster/plocpp.cl", "not_a_number"},
                  [&] { session.prepare({group}); });

@@ -21,11 +21,8 @@ struct Found {
 };
 
 inline device::OptimizeSettings optimize_settings(Shape shape) {
-    const device::BuildSettings build = settings_of(options_of(shape));
     device::OptimizeSettings settings;
-    settings.shape = shape;
-    settings.stream_group_size = build.stream_group_size;
-    settings.groups_to_fill = build.groups_to_fill;
+    static_cast<device::DeviceFit&>(settings) = device::fit_to_device(shared_context().session(), shape);
     return settings;
 }
 
@@ -44,7 +41,7 @@ public:
         write(nodes_, tree.nodes);
         fill_bytes(scratch_, 0x5a);
         passes.begin();
-        set_control(device::ReinsertPasses::kPart, std::bit_cast<std::uint32_t>(kPart));
+        set_control(kernels::PART, std::bit_cast<std::uint32_t>(kPart));
     }
 
     [[nodiscard]] std::vector<Node> nodes() const { return read<Node>(nodes_, node_count_); }
@@ -63,7 +60,7 @@ public:
     }
     [[nodiscard]] std::vector<Found> found() const {
         std::vector<Found> all = read<Found>(passes.views().found, passes.sizes().candidates);
-        all.resize(control(device::ReinsertPasses::kCandidates));
+        all.resize(control(kernels::CANDIDATES));
         return all;
     }
     /// Those that were moved.

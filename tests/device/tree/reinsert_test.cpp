@@ -234,7 +234,7 @@ TEST_CASE("reinsert on devices: a pass that is taken back leaves the tree as it 
             const std::vector<std::uint16_t> ranks = steps.ranks();
             steps.move();
             CHECK((steps.nodes() != tree.nodes));
-            steps.set_control(ReinsertPasses::kIsUndone, 1);
+            steps.set_control(kernels::IS_UNDONE, 1);
             steps.passes.undo();
             steps.passes.refit(true);
             CHECK((steps.nodes() == tree.nodes));
@@ -258,7 +258,7 @@ TEST_CASE("reinsert on devices: a pass after which the areas would add up to mor
             books[0] += much;
             write(changes, books);
             steps.passes.end();
-            CHECK(steps.control(ReinsertPasses::kIsUndone) == 1);
+            CHECK(steps.control(kernels::IS_UNDONE) == 1);
             CHECK(steps.area() == area);
             steps.passes.undo();
             steps.passes.refit(true);

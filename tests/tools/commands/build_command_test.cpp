@@ -196,7 +196,7 @@ TEST_CASE("build prints a summary for people") {
     CHECK(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     for (const char* part : {"gen:soup:3000: 3000 triangles", "plocpp", "radius 16", "Mtris/s", "SAH", "depth",
-                             "5999 nodes, 3000 leaves", "valid", "bounds", "morton", "sort", "cluster", "layout"}) {
+                             "5999 nodes, 3000 leaves", "valid", "bounds", "morton", "sort", "cluster", "root"}) {
         CHECK_THAT(outcome.out, Contains(part));
     }
 }

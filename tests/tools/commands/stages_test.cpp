@@ -93,6 +93,6 @@ TEST_CASE("bench shows stages where they are asked for") {
     const Outcome outcome = run_tool(with_stages);
     REQUIRE(outcome.exit_code == 0);
     CHECK_THAT(outcome.out, Contains("% of copy") && Contains("copy on the device") && Contains(" launches "));
-    for (const char* stage : {"bounds", "morton", "sort", "cluster", "layout"})
+    for (const char* stage : {"bounds", "morton", "sort", "cluster", "root"})
         CHECK_THAT(outcome.out, Contains(std::string(" ") + stage + " "));
 }

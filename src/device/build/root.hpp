@@ -6,9 +6,9 @@
 namespace clbvh::device {
 
 /// The kernels of this stage.
-[[nodiscard]] ProgramSpec layout_program(const BuildSettings& settings);
+[[nodiscard]] ProgramSpec root_program(const BuildSettings& settings);
 
 /// The root into buffers.nodes, whose sibling pairs stand already. One launch.
-void launch_layout(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers, BoxOrder box_order);
+void launch_root(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers, BoxOrder box_order);
 
 }  // namespace clbvh::device

@@ -1,13 +1,13 @@
-#include "device/build/layout.hpp"
+#include "device/build/root.hpp"
 
 namespace clbvh::device {
 
-ProgramSpec layout_program(const BuildSettings& settings) {
-    return {"layout.cl", settings.stream_group_size, ""};
+ProgramSpec root_program(const BuildSettings& settings) {
+    return {"root.cl", settings.stream_group_size, ""};
 }
 
-void launch_layout(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers, BoxOrder box_order) {
-    Kernel& write_root = launcher.session().kernel(layout_program(settings), "write_root");
+void launch_root(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& buffers, BoxOrder box_order) {
+    Kernel& write_root = launcher.session().kernel(root_program(settings), "write_root");
     const bool sorted = box_order == BoxOrder::morton;
     launcher.count_bytes(2 * 64);  // a sibling pair is read, the root's pair written
     launcher.launch(write_root, 1, buffers.root_reference, buffers.leaf_count, sorted ? buffers.leaves : buffers.boxes,

@@ -1,4 +1,4 @@
-#include "device/opencl/lane_self_test.hpp"
+#include "device/opencl/lane_shape_check.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,14 +7,15 @@
 
 #include "clbvh/core/error.hpp"
 #include "device/opencl/session.hpp"
+#include "kernels/core/lane_check_constants.h"
 
 namespace clbvh::device {
 namespace {
 
 constexpr std::uint32_t kGroups = 8;
-constexpr std::uint32_t kLength = 64;
-constexpr std::uint32_t kRows = 16;
-constexpr std::uint32_t kStride = kLength + 32;
+constexpr std::uint32_t kLength = kernels::CHECK_LENGTH;
+constexpr std::uint32_t kRows = kernels::CHECK_ROWS;
+constexpr std::uint32_t kStride = kernels::CHECK_STRIDE;
 
 std::uint32_t value_at(std::uint32_t group, std::uint32_t t, std::uint32_t row) {
     return (group * 7919u + t * 31u + row * 101u) * 2654435761u;
@@ -45,16 +46,16 @@ std::vector<std::uint32_t> expected_result() {
 
 }  // namespace
 
-ProgramSpec lane_self_test_program() {
-    return {"lane_self_test.cl", 1, ""};
+ProgramSpec lane_shape_check_program() {
+    return {"lane_shape_check.cl", 1, ""};
 }
 
-bool lane_shape_passes_self_test(Session& session) {
+bool lane_shape_passes_check(Session& session) {
     const std::vector<std::uint32_t> expected = expected_result();
     const std::size_t bytes = expected.size() * sizeof(std::uint32_t);
     std::vector<std::uint32_t> result(expected.size());
     try {
-        Kernel& kernel = session.kernel(lane_self_test_program(), "lane_self_test");
+        Kernel& kernel = session.kernel(lane_shape_check_program(), "lane_shape_check");
         const cl::Buffer buffer(session.context(), CL_MEM_WRITE_ONLY, bytes);
         kernel.kernel.setArg(0, buffer);
         session.queue().enqueueNDRangeKernel(kernel.kernel, cl::NullRange, cl::NDRange(kGroups), cl::NDRange(1));

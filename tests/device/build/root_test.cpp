@@ -1,5 +1,5 @@
-// The stage `layout`: the root and the unused node beside it; every other node stands already.
-#include "device/build/layout.hpp"
+// The stage `root`: the root and the unused node beside it; every other node stands already.
+#include "device/build/root.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -16,7 +16,7 @@ namespace {
 constexpr Node kChildren[2] = {{{-1, 2, -3}, 7, {4, 5, 6}, 1}, {{0, -2, -4}, 12, {3, 9, 5}, 0}};
 constexpr Aabb kLeaf{{1, 2, 3}, {4, 5, 6}};
 
-/// The nodes after launch_layout, where every sibling pair but the first is kChildren.
+/// The nodes after launch_root, where every sibling pair but the first is kChildren.
 std::vector<Node> run_layout(Shape shape, std::uint32_t leaf_count, std::uint32_t root_reference) {
     StageBench bench(options_of(shape), std::max(leaf_count, 1u));
     fill_bytes(bench.buffers.nodes, 0xff);
@@ -27,7 +27,7 @@ std::vector<Node> run_layout(Shape shape, std::uint32_t leaf_count, std::uint32_
     write(bench.buffers.leaf_count, std::vector<std::uint32_t>{leaf_count});
     write(bench.buffers.leaves, std::vector<Aabb>(std::max(leaf_count, 1u), kLeaf));
     write(bench.buffers.root_reference, std::vector<std::uint32_t>{root_reference});
-    device::launch_layout(bench.launcher, bench.settings, bench.buffers, device::BoxOrder::morton);
+    device::launch_root(bench.launcher, bench.settings, bench.buffers, device::BoxOrder::morton);
     return read<Node>(bench.buffers.nodes, 2 * std::max(leaf_count, 1u));
 }
 
@@ -53,7 +53,7 @@ TEST_CASE("layout: the root of one leaf has the box of its primitive where boxes
         write(bench.buffers.primitive_ids, std::vector<std::uint32_t>{2, 0, 1});
         write(bench.buffers.leaf_count, std::vector<std::uint32_t>{1});
         write(bench.buffers.root_reference, std::vector<std::uint32_t>{0});
-        device::launch_layout(bench.launcher, bench.settings, bench.buffers, device::BoxOrder::input);
+        device::launch_root(bench.launcher, bench.settings, bench.buffers, device::BoxOrder::input);
         CHECK(read<Node>(bench.buffers.nodes, 1)[0] == Node{{1, 2, 3}, 0, {4, 5, 6}, 1});
     }
 }

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "clbvh/device/opencl_handles.hpp"
+
+namespace clbvh {
+
+/// Memory of the caller's, from `offset` bytes into a buffer on. The buffer may be a sub-buffer.
+struct DeviceSpan {
+    cl_mem buffer = nullptr;
+    std::uint64_t offset = 0;
+};
+
+/// The type of one vertex index.
+enum class IndexType : std::uint8_t { uint32, uint16 };
+
+/// Triangles in device memory. Strides are in bytes.
+struct DeviceTriangles {
+    std::uint32_t count = 0;           ///< Triangles, at most kMaxPrimitives.
+    DeviceSpan vertices;               ///< Three floats each; offset, a multiple of 4.
+    std::uint32_t vertex_stride = 12;  ///< From one vertex to the next: 12 or more, a multiple of 4.
+    DeviceSpan indices;                ///< Three for each triangle; without a buffer vertices are taken three by three.
+    IndexType index_type = IndexType::uint32;
+    std::uint32_t index_stride = 0;  ///< From one triangle's first index to the next one's, no less than three indices;
+                                     ///< 0: just that.
+};
+
+/// Boxes in device memory, for primitives that are not triangles.
+struct DeviceBoxes {
+    std::uint32_t count = 0;    ///< Boxes, at most kMaxPrimitives.
+    DeviceSpan boxes;           ///< Six floats each, lower x y z and upper x y z; offset, a multiple of 4.
+    std::uint32_t stride = 24;  ///< From one box to the next, in bytes: 24 or more, a multiple of 4.
+};
+
+/// What a tree is built over.
+using DeviceInput = std::variant<DeviceTriangles, DeviceBoxes>;
+
+/// Where a build puts its tree.
+struct DeviceResult {
+    DeviceSpan nodes;          ///< Node [2 * active primitives], see Bvh::nodes; DeviceBuildSizes::nodes bytes.
+    DeviceSpan primitive_ids;  ///< uint [active primitives], see Bvh::primitive_ids; DeviceBuildSizes::primitive_ids.
+    DeviceSpan active_count;   ///< Becomes the number of active primitives, one uint; may be left out.
+};
+
+/// Bytes that a build needs. Nothing is read or written beyond them.
+struct DeviceBuildSizes {
+    std::uint64_t nodes = 0;          ///< 64 for each primitive.
+    std::uint64_t primitive_ids = 0;  ///< 4 for each primitive.
+    std::uint64_t scratch = 0;        ///< Free again when the build is done; the same for every input of this size.
+};
+
+/// A tree in device memory. Each class that takes one says in which fields it looks, and how they must be aligned.
+struct DeviceBvh {
+    DeviceSpan nodes;                   ///< Node [node_count], see Bvh::nodes.
+    std::uint32_t node_count = 0;       ///< Or more, where the number of nodes in use is only known on the device.
+    DeviceSpan primitive_ids = {};      ///< uint [reference_count], see Bvh::primitive_ids.
+    std::uint32_t reference_count = 0;  ///< Or more; what lies behind the tree's own is not used.
+    /// One uint, offset a multiple of 4: leaves of the tree, at most node_count / 2; where all nodes are passed over,
+    /// only the first 2 * leaves of them are. Without it all of them are, and slots that no node uses must be zero.
+    DeviceSpan active_count = {};
+
+    /// What DeviceBuilder::enqueue builds over `primitive_count` primitives. Where some of them may be inactive, and
+    /// the tree is to be optimised or refitted, `result` must have its active count.
+    [[nodiscard]] static DeviceBvh of(const DeviceResult& result, std::uint32_t primitive_count) {
+        return {result.nodes, 2 * primitive_count, result.primitive_ids, primitive_count, result.active_count};
+    }
+};
+
+}  // namespace clbvh
