@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& fault) {
     throw Error(ErrorCode::invalid_input,
-                fault + "; this is no tree over this mesh: build one, or see what validate() says");
+                fault + "; the tree was not built over this mesh: build one, or see what validate() says");
 }
 
 }  // namespace

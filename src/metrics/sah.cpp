@@ -92,7 +92,7 @@ private:
         TreeWalk walk(nodes_);
         while (walk.next()) {
         }
-        throw Error(ErrorCode::invalid_input, walk.fault() + "; this is no tree: see what validate() says of it");
+        throw Error(ErrorCode::invalid_input, walk.fault() + "; these nodes are not a tree: see what validate() says");
     }
 
     std::span<const Node> nodes_;

@@ -48,7 +48,7 @@ TreeStatistics tree_statistics(const Bvh& bvh) {
         }
     }
     if (walk.failed())
-        throw Error(ErrorCode::invalid_input, walk.fault() + "; this is no tree: see what validate() says of it");
+        throw Error(ErrorCode::invalid_input, walk.fault() + "; these nodes are not a tree: see what validate() says");
     const double root_area = bvh.empty() ? 0.0 : exact_half_area(bvh.nodes[0]);
     statistics.sibling_overlap = root_area > 0.0 ? overlap / root_area : 0.0;
     return statistics;
