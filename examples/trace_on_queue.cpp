@@ -1,5 +1,5 @@
 // Build, then trace, on one queue and in device memory: triangles that move, their tree and a picture's rays follow
-// each other without a trip through the host. Prints the last picture in letters.
+// each other without passing through the host. Prints the last picture in letters.
 
 #include <CL/cl.h>
 

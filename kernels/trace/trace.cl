@@ -213,7 +213,7 @@ KERNEL void leaf_triangles(SCENE_ARGUMENTS, uint primitive_count, uint reference
     global float4* const rows = AT(float4, rows_buffer, rows_offset);
     const size_t begin = BLOCK_RAYS * get_group_id(0);
     FOR_WORK_ITEMS(i, begin, min(begin + BLOCK_RAYS, (size_t)reference_count)) {
-        // Behind the tree's own references, which nobody has counted, may be anything.
+        // Anything may follow the tree's own references, whose number is not known.
         if (scene.triangles.primitive_ids[i] >= primitive_count) continue;
         uint primitive;
         const Corners corners = corners_of(scene.triangles, i, unturned, &primitive);

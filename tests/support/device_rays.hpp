@@ -8,7 +8,7 @@
 
 namespace clbvh::test {
 
-/// What tracing rays needs in memory of the shared context, with guard bytes around what the tracer writes.
+/// Memory for tracing rays on the shared context, with guard bytes around what the tracer writes.
 class DeviceRayMemory {
 public:
     DeviceRayMemory(const DeviceTracer& tracer, const DeviceBvh& bvh, std::span<const Ray> rays);

@@ -50,7 +50,7 @@ public:
     /// memory for the next call.
     [[nodiscard]] std::vector<Bvh> build(std::span<const Mesh> meshes, BuildStats* stats = nullptr);
 
-    /// What enqueue() needs for so many primitives and trees; throws as DeviceBuilder::sizes.
+    /// Memory that enqueue() needs for so many primitives and trees; throws as DeviceBuilder::sizes.
     [[nodiscard]] DeviceBuildSizes sizes(std::uint64_t primitive_count, std::uint64_t tree_count) const;
     /// As DeviceBuilder::alignment; for DeviceResult::active_count as well.
     [[nodiscard]] std::uint64_t alignment() const noexcept;

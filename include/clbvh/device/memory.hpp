@@ -7,7 +7,7 @@
 
 namespace clbvh {
 
-/// Memory of the caller's, from `offset` bytes into a buffer on. The buffer may be a sub-buffer.
+/// The caller's memory: a buffer from `offset` bytes on. The buffer may be a sub-buffer.
 struct DeviceSpan {
     cl_mem buffer = nullptr;
     std::uint64_t offset = 0;
@@ -34,7 +34,7 @@ struct DeviceBoxes {
     std::uint32_t stride = 24;  ///< From one box to the next, in bytes: 24 or more, a multiple of 4.
 };
 
-/// What a tree is built over.
+/// Primitives in device memory to build a tree over.
 using DeviceInput = std::variant<DeviceTriangles, DeviceBoxes>;
 
 /// Where a build puts its tree.
@@ -56,13 +56,13 @@ struct DeviceBvh {
     DeviceSpan nodes;                   ///< Node [node_count], see Bvh::nodes.
     std::uint32_t node_count = 0;       ///< Or more, where the number of nodes in use is only known on the device.
     DeviceSpan primitive_ids = {};      ///< uint [reference_count], see Bvh::primitive_ids.
-    std::uint32_t reference_count = 0;  ///< Or more; what lies behind the tree's own is not used.
+    std::uint32_t reference_count = 0;  ///< Or more; those beyond the tree's own are not used.
     /// One uint, offset a multiple of 4: leaves of the tree, at most node_count / 2; where all nodes are passed over,
     /// only the first 2 * leaves of them are. Without it all of them are, and slots that no node uses must be zero.
     DeviceSpan active_count = {};
 
-    /// What DeviceBuilder::enqueue builds over `primitive_count` primitives. Where some of them may be inactive, and
-    /// the tree is to be optimised or refitted, `result` must have its active count.
+    /// The tree that DeviceBuilder::enqueue builds over `primitive_count` primitives. Where some of them may be
+    /// inactive, and the tree is to be optimised or refitted, `result` must have its active count.
     [[nodiscard]] static DeviceBvh of(const DeviceResult& result, std::uint32_t primitive_count) {
         return {result.nodes, 2 * primitive_count, result.primitive_ids, primitive_count, result.active_count};
     }

@@ -45,10 +45,10 @@ void check_in_other_buffer(const CallerMemory& memory, std::initializer_list<Cal
 /// Throws Error(invalid_input) where `value`, called `what`, is below `least` or no multiple of `step`.
 void check_multiple(std::string_view what, std::uint64_t value, std::uint64_t least, std::uint64_t step);
 
-/// Throws Error(invalid_input) where two of them have bytes in common.
+/// Throws Error(invalid_input) where two of them overlap.
 void check_apart(std::initializer_list<CallerMemory> memories);
 
-/// What views of buffers must begin at a multiple of, in bytes.
+/// Alignment of views of buffers, in bytes.
 [[nodiscard]] std::uint64_t view_alignment(const Session& session);
 
 }  // namespace clbvh::device

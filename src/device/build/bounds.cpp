@@ -15,8 +15,8 @@ std::string_view kernel_of(InputForm form) {
     }
 }
 
-/// What has to be read of the input. How many vertices there are is known of the tight form alone, which fills its
-/// buffer; elsewhere three a primitive are an upper bound.
+/// Bytes to read of the input. How many vertices there are is known of the tight form alone, which fills its buffer;
+/// elsewhere three a primitive are an upper bound.
 std::uint64_t input_bytes(const DeviceMesh& mesh) {
     const std::uint64_t n = mesh.primitive_count;
     switch (mesh.form) {

@@ -39,7 +39,7 @@ struct MemoryPlan {
     [[nodiscard]] bool operator==(const MemoryPlan&) const noexcept = default;
     /// Scratch in one piece, see cut_scratch().
     [[nodiscard]] std::uint64_t scratch_bytes() const;
-    /// What a build needs, the finished tree included.
+    /// Bytes that a build needs, the finished tree included.
     [[nodiscard]] std::uint64_t bytes() const noexcept {
         return nodes + primitive_ids + leaves + inner + references + small + extra;
     }

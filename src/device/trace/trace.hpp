@@ -49,7 +49,7 @@ struct TraceLayout {
 [[nodiscard]] TraceLayout lay_out_scene(const TraceSettings& settings, std::uint32_t reference_count,
                                         const Block& place = {});
 
-/// What rays are traced through.
+/// A scene to trace rays through.
 struct TraceScene {
     std::uint32_t node_count = 0;  ///< Where there are none the buffers may be null.
     std::uint32_t reference_count = 0;
@@ -69,8 +69,8 @@ struct TraceRays {
 /// references.
 void launch_layout(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const Block& place);
 
-/// Four launches at most, none where there are no rays. Rays that nobody counts go through the tree of eight children,
-/// where the layout has one.
+/// Four launches at most, none where there are no rays. Rays that are not counted go through the tree of eight
+/// children, where the layout has one.
 void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays);
 
 }  // namespace clbvh::device

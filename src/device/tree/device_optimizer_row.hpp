@@ -21,10 +21,10 @@ struct OptimizeJob {
     Launcher& launcher;  ///< Its stage has begun.
     const OptimizeSettings& settings;
     TreeNodes tree;  ///< At least 6 nodes, an even number. Where there are no leaves node 0 is no node.
-    Block scratch;   ///< What the row asked for, aligned for views.
+    Block scratch;   ///< As the row asked, aligned for views.
 };
 
-/// What makes one device optimiser different from the next. None waits for the device.
+/// The part in which device optimisers differ. None waits for the device.
 struct DeviceOptimizerRow {
     std::vector<ProgramSpec> (*programs)(const OptimizeSettings& settings);
     /// Local memory of a work group in the lane shape; that of the group shape fits any device.

@@ -1,4 +1,4 @@
-// What is wrong with the memory and the queue that optimisers on devices are given.
+// Faulty memory and queues that optimisers on devices must refuse.
 #include <catch2/catch.hpp>
 
 #include "clbvh/device/device_optimizer.hpp"
