@@ -27,3 +27,16 @@ function(clbvh_join target name)
   set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${name})
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${CLBVH_UNITY} UNITY_BUILD_MODE GROUP)
 endfunction()
+
+# Vectors beyond the baseline of the processor that the library is compiled for.
+include(CheckCXXSourceCompiles)
+if(CLBVH_VECTORS)
+  set(CMAKE_REQUIRED_FLAGS -mavx2)
+  check_cxx_source_compiles("
+    #if !defined(__x86_64__)
+    #error
+    #endif
+    #include <immintrin.h>
+    int main() { return _mm256_movemask_ps(_mm256_setzero_ps()) + __builtin_cpu_supports(\"avx2\"); }" CLBVH_HAS_AVX2)
+  unset(CMAKE_REQUIRED_FLAGS)
+endif()

@@ -9,6 +9,10 @@ else()
   set(clbvh_definitions CLBVH_NO_OPENCL)
 endif()
 
+if(NOT CLBVH_VECTORS)
+  list(APPEND clbvh_definitions CLBVH_NO_VECTORS)
+endif()
+
 # The kind of library that is built. The tests of the installed package want the other one, too.
 set(clbvh_kind STATIC)
 set(clbvh_other_kind SHARED)

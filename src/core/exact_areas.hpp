@@ -21,22 +21,12 @@ namespace clbvh {
 
 /// Those of two boxes at once, to the bit. What stands in the fourth lanes does not matter.
 [[nodiscard]] inline std::array<double, 2> exact_half_areas(const Box4& a, const Box4& b) noexcept {
-#if defined(CLBVH_HAS_SSE2)
-    // x and y of both boxes, then z of both.
-    const __m128 lower = _mm_unpacklo_ps(a.lower.lanes, b.lower.lanes);
-    const __m128 upper = _mm_unpacklo_ps(a.upper.lanes, b.upper.lanes);
-    const __m128 lower_z = _mm_unpackhi_ps(a.lower.lanes, b.lower.lanes);
-    const __m128 upper_z = _mm_unpackhi_ps(a.upper.lanes, b.upper.lanes);
-    const auto extents = [](__m128 from, __m128 to) { return _mm_sub_pd(_mm_cvtps_pd(to), _mm_cvtps_pd(from)); };
-    const __m128d x = extents(lower, upper);
-    const __m128d y = extents(_mm_movehl_ps(lower, lower), _mm_movehl_ps(upper, upper));
-    const __m128d z = extents(lower_z, upper_z);
+    const Double2 x = Double2::of_x(a.upper, b.upper) - Double2::of_x(a.lower, b.lower);
+    const Double2 y = Double2::of_y(a.upper, b.upper) - Double2::of_y(a.lower, b.lower);
+    const Double2 z = Double2::of_z(a.upper, b.upper) - Double2::of_z(a.lower, b.lower);
     std::array<double, 2> areas;
-    _mm_storeu_pd(areas.data(), _mm_add_pd(_mm_add_pd(_mm_mul_pd(x, y), _mm_mul_pd(y, z)), _mm_mul_pd(z, x)));
+    (x * y + y * z + z * x).store(areas.data());
     return areas;
-#else
-    return {exact_half_area(make_node(a, 0, 0)), exact_half_area(make_node(b, 0, 0))};
-#endif
 }
 
 }  // namespace clbvh

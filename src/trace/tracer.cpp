@@ -42,7 +42,9 @@ struct CLBVH_NO_EXPORT Tracer::State {
           nodes(bvh.nodes),
           triangles(arena.execute([&] { return copy_triangles(bvh, mesh); })),
           wide_tree(make_wide_tree(nodes, triangles)),
-          wide(wide_tracing(best_instruction_set(), options.triangle_test)) {}
+          wide(wide_tracing(simd::instruction_set(), options.triangle_test)) {
+        simd::check_instruction_set();
+    }
 
     /// Calls `leaf` for the leaves that the ray visits.
     template <typename Counts, typename Leaf>

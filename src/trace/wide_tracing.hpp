@@ -1,15 +1,16 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "clbvh/core/ray.hpp"
+#include "core/simd/dispatch.hpp"
 #include "trace/wide_tree.hpp"
 
 // Tracing through a wide tree with vectors. Hits are the same bits with every instruction set, and the same as those
 // that traverse() finds in the binary tree.
 namespace clbvh::trace {
-
-enum class InstructionSet : std::uint8_t { portable, sse2, avx2 };
 
 /// The functions that one instruction set is compiled into.
 struct WideTracing {
@@ -17,12 +18,19 @@ struct WideTracing {
     bool (*any)(const WideTree& tree, const Ray& ray);
 };
 
-/// True where this processor, and this build of the library, has the instruction set.
-[[nodiscard]] bool is_available(InstructionSet set) noexcept;
+/// A child whose siblings go first, and where the ray enters it.
+struct DeferredChild {
+    float t;
+    std::uint32_t child;
+};
 
-[[nodiscard]] InstructionSet best_instruction_set() noexcept;
+/// Throws Error(out_of_memory). For files that are compiled for one instruction set: what throws stays out of them.
+[[nodiscard]] std::unique_ptr<DeferredChild[]> allocate_stack(std::size_t size);
 
 /// The instruction set is available.
-[[nodiscard]] WideTracing wide_tracing(InstructionSet set, TriangleTest test) noexcept;
+[[nodiscard]] WideTracing wide_tracing(simd::InstructionSet set, TriangleTest test) noexcept;
+
+/// The same, compiled for AVX2 where the library is.
+[[nodiscard]] WideTracing wide_tracing_avx2(TriangleTest test) noexcept;
 
 }  // namespace clbvh::trace

@@ -1,6 +1,39 @@
-// Tracing through a wide tree, in terms of the vectors of wide_lanes.ipp and the tests of wide_triangles.ipp.
+// Tracing through a wide tree, in terms of the vectors of core/simd and the tests of wide_triangles.ipp. Files that are
+// compiled for different instruction sets include both within an anonymous namespace, so that none calls another's
+// copy.
+
+/// Room for all children that one ray can defer: on the stack, or on the heap for trees of an unusual depth.
+class WideStack {
+public:
+    explicit WideStack(std::uint32_t depth) {
+        const std::size_t most = std::size_t{depth} * (kWideChildren - 1) + 1;
+        if (most <= few_.size()) return;
+        many_ = allocate_stack(most);
+        entries_ = many_.get();
+    }
+    [[nodiscard]] DeferredChild* entries() noexcept { return entries_; }
+
+private:
+    std::array<DeferredChild, 512> few_;
+    std::unique_ptr<DeferredChild[]> many_;
+    DeferredChild* entries_ = few_.data();
+};
+
+/// Asks for all of a node or block that will be visited, unless it gets out of the ray's reach until then.
+inline void prefetch([[maybe_unused]] const WideTree& tree, [[maybe_unused]] std::uint32_t child) noexcept {
+#if defined(__GNUC__)
+    constexpr std::size_t line = 64;
+    const bool is_leaf = (child & kLeafFlag) != 0;
+    const auto* const begin = is_leaf ? reinterpret_cast<const char*>(&tree.blocks[child & ~kLeafFlag])
+                                      : reinterpret_cast<const char*>(&tree.nodes[child]);
+    const std::size_t bytes = is_leaf ? sizeof(TriangleBlock) : sizeof(WideNode);
+    for (std::size_t offset = 0; offset < bytes; offset += line)
+        __builtin_prefetch(begin + offset);
+#endif
+}
 
 /// The ray's side of the eight box tests of a node; the arithmetic is that of RaySlabs.
+template <typename Floats8>
 class WideBoxTest {
 public:
     explicit WideBoxTest(const RaySlabs& slabs) noexcept : t_min_(Floats8::filled(slabs.t_min())) {
@@ -17,11 +50,13 @@ public:
         Floats8 exit = Floats8::filled(t_max);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::size_t near = near_side_[axis];
-            entry = max((Floats8::load(node.bounds[near][axis].data()) - origin_[axis]) * inverse_[axis], entry);
-            exit = min((Floats8::load(node.bounds[1 - near][axis].data()) - origin_[axis]) * inverse_[axis], exit);
+            entry =
+                max((Floats8::load_aligned(node.bounds[near][axis].data()) - origin_[axis]) * inverse_[axis], entry);
+            exit =
+                min((Floats8::load_aligned(node.bounds[1 - near][axis].data()) - origin_[axis]) * inverse_[axis], exit);
         }
-        entry.store(entries);
-        return less_equal(entry, exit * Floats8::filled(kBoxSlack));
+        entry.store_aligned(entries);
+        return less_equal(entry, exit * Floats8::filled(kBoxSlack)).bits();
     }
 
 private:
@@ -41,7 +76,7 @@ std::optional<PlaneHit> confirm(const HitRule& rule, const Test& test, const Tri
 }
 
 /// Finds the closest hit in leaves.
-template <typename Test>
+template <typename Set, typename Test>
 class ClosestBlock {
 public:
     static constexpr bool kNearFirst = true;
@@ -84,7 +119,7 @@ private:
 
     HitRule rule_;
     Test test_;
-    LanesOf<Test> lanes_;
+    LanesOf<Test, typename Set::Float4> lanes_;
     float t_max_;
     Hit hit_;  // without u and v
     const TriangleBlock* block_ = nullptr;
@@ -92,7 +127,7 @@ private:
 };
 
 /// Finds out whether there is a hit.
-template <typename Test>
+template <typename Set, typename Test>
 class AnyBlock {
 public:
     static constexpr bool kNearFirst = false;
@@ -117,7 +152,7 @@ public:
 private:
     HitRule rule_;
     Test test_;
-    LanesOf<Test> lanes_;
+    LanesOf<Test, typename Set::Float4> lanes_;
     bool is_hit_ = false;
 };
 
@@ -154,9 +189,9 @@ inline std::uint32_t defer_all_but_first(const WideTree& tree, const WideNode& n
 }
 
 /// Takes the ray to the blocks of all leaves whose boxes it meets, near ones first where the visitor needs them so.
-template <typename Visitor>
+template <typename Set, typename Visitor>
 void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept {
-    const WideBoxTest box_test(visitor.slabs());
+    const WideBoxTest<typename Set::Float8> box_test(visitor.slabs());
     std::size_t size = 0;
     std::uint32_t child = 0;
     for (;;) {
@@ -186,17 +221,20 @@ void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept
     }
 }
 
-template <typename Visitor>
+template <typename Set, template <typename, typename> typename Block, typename Test>
 auto trace(const WideTree& tree, const Ray& ray) {
-    Visitor visitor(ray);
+    Block<Set, Test> visitor(ray);
     if (!tree.nodes.empty() && is_traceable(ray)) {
         WideStack stack(tree.depth);
-        walk(tree, visitor, stack.entries());
+        walk<Set>(tree, visitor, stack.entries());
     }
     return visitor.result();
 }
 
-inline WideTracing tracing(TriangleTest test) noexcept {
-    if (test == TriangleTest::watertight) return {trace<ClosestBlock<WatertightTest>>, trace<AnyBlock<WatertightTest>>};
-    return {trace<ClosestBlock<MollerTrumboreTest>>, trace<AnyBlock<MollerTrumboreTest>>};
+template <typename Set>
+WideTracing tracing_of(TriangleTest test) noexcept {
+    if (test == TriangleTest::watertight) {
+        return {trace<Set, ClosestBlock, WatertightTest>, trace<Set, AnyBlock, WatertightTest>};
+    }
+    return {trace<Set, ClosestBlock, MollerTrumboreTest>, trace<Set, AnyBlock, MollerTrumboreTest>};
 }

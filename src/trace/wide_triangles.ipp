@@ -1,4 +1,4 @@
-// The triangle tests on blocks of four, in terms of the vectors of wide_lanes.ipp.
+// The triangle tests on blocks of four, in terms of the vectors of core/simd.
 
 /// Which triangles of a block a ray hits: one bit each. `inexact` ones have an edge function of 0, so that the test of
 /// a single triangle has to decide.
@@ -7,6 +7,7 @@ struct BlockHits {
 };
 
 /// WatertightTest on four triangles.
+template <typename Floats4>
 class WatertightLanes {
 public:
     WatertightLanes(const WatertightTest& test, const Ray&, float t_min) noexcept
@@ -29,16 +30,17 @@ public:
         const Floats4 w = b.x * a.y - b.y * a.x;
         const Floats4 zero = Floats4::filled(0.0f);
         // A NaN among them makes the determinant, and so t, NaN too.
-        const std::uint32_t outside = less(min(min(u, v), w), zero) & less(zero, max(max(u, v), w));
+        const std::uint32_t outside = less(min(min(u, v), w), zero).bits() & less(zero, max(max(u, v), w)).bits();
         const std::uint32_t inside = ~outside & 15U;
         if (inside == 0) return {0, 0};
-        const std::uint32_t inexact = inside & (equal(u, zero) | equal(v, zero) | equal(w, zero));
+        const std::uint32_t inexact = inside & (equal(u, zero) | equal(v, zero) | equal(w, zero)).bits();
         const Floats4 determinant = (u + v) + w;
         const Floats4 scaled_t = ((u * a.z) + (v * b.z)) + (w * c.z);
         const Floats4 quotient = scaled_t / determinant;
-        quotient.store(t);
-        const std::uint32_t in_range = less_equal(t_min_, quotient) & less_equal(quotient, Floats4::filled(t_max));
-        return {inside & ~inexact & in_range & ~equal(determinant, zero), inexact};
+        quotient.store_aligned(t);
+        const std::uint32_t in_range =
+            less_equal(t_min_, quotient).bits() & less_equal(quotient, Floats4::filled(t_max)).bits();
+        return {inside & ~inexact & in_range & ~equal(determinant, zero).bits(), inexact};
     }
 
 private:
@@ -48,9 +50,9 @@ private:
 
     [[nodiscard]] Sheared sheared(const TriangleBlock& block, std::size_t vertex) const noexcept {
         const auto& p = block.vertices[vertex];
-        const Floats4 z = Floats4::load(p[z_].data()) - origin_[2];
-        return {(Floats4::load(p[x_].data()) - origin_[0]) - factors_[0] * z,
-                (Floats4::load(p[y_].data()) - origin_[1]) - factors_[1] * z, factors_[2] * z};
+        const Floats4 z = Floats4::load_aligned(p[z_].data()) - origin_[2];
+        return {(Floats4::load_aligned(p[x_].data()) - origin_[0]) - factors_[0] * z,
+                (Floats4::load_aligned(p[y_].data()) - origin_[1]) - factors_[1] * z, factors_[2] * z};
     }
 
     std::size_t x_, y_, z_;
@@ -59,6 +61,7 @@ private:
 };
 
 /// MollerTrumboreTest on four triangles.
+template <typename Floats4>
 class MollerTrumboreLanes {
 public:
     MollerTrumboreLanes(const MollerTrumboreTest&, const Ray& ray, float t_min) noexcept
@@ -77,12 +80,12 @@ public:
         const Floats4 u = dot(s, p) * inverse;
         const Floats4 v = dot(direction_, q) * inverse;
         const Floats4 zero = Floats4::filled(0.0f);
-        const std::uint32_t inside = less_equal(zero, u) & less_equal(zero, v) &
-                                     less_equal(u + v, Floats4::filled(1.0f)) & ~equal(determinant, zero);
+        const std::uint32_t inside = less_equal(zero, u).bits() & less_equal(zero, v).bits() &
+                                     less_equal(u + v, Floats4::filled(1.0f)).bits() & ~equal(determinant, zero).bits();
         if (inside == 0) return {0, 0};
         const Floats4 product = dot(edge2, q) * inverse;
-        product.store(t);
-        return {inside & less_equal(t_min_, product) & less_equal(product, Floats4::filled(t_max)), 0};
+        product.store_aligned(t);
+        return {inside & less_equal(t_min_, product).bits() & less_equal(product, Floats4::filled(t_max)).bits(), 0};
     }
 
 private:
@@ -95,7 +98,8 @@ private:
     }
     static Vector vertex(const TriangleBlock& block, std::size_t i) noexcept {
         const auto& p = block.vertices[i];
-        return {Floats4::load(p[0].data()), Floats4::load(p[1].data()), Floats4::load(p[2].data())};
+        return {Floats4::load_aligned(p[0].data()), Floats4::load_aligned(p[1].data()),
+                Floats4::load_aligned(p[2].data())};
     }
     static Vector difference(const Vector& a, const Vector& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
     static Vector cross(const Vector& a, const Vector& b) noexcept {
@@ -107,5 +111,6 @@ private:
     Floats4 t_min_;
 };
 
-template <typename Test>
-using LanesOf = std::conditional_t<std::is_same_v<Test, WatertightTest>, WatertightLanes, MollerTrumboreLanes>;
+template <typename Test, typename Floats4>
+using LanesOf =
+    std::conditional_t<std::is_same_v<Test, WatertightTest>, WatertightLanes<Floats4>, MollerTrumboreLanes<Floats4>>;

@@ -11,6 +11,7 @@
 using namespace clbvh;
 using namespace clbvh::test;
 using namespace clbvh::trace;
+using simd::InstructionSet;
 
 namespace {
 
@@ -100,20 +101,17 @@ TEST_CASE("every instruction set finds the same bits") {
             const Bvh bvh = build_with_leaves(mesh, max_leaf);
             const WideTree tree = make_wide_tree(bvh.nodes, copy_triangles(bvh, mesh));
             for (const TriangleTest test : {TriangleTest::watertight, TriangleTest::moller_trumbore}) {
-                const WideTracing portable = wide_tracing(InstructionSet::portable, test);
-                for (const InstructionSet set : {InstructionSet::sse2, InstructionSet::avx2}) {
-                    if (!is_available(set)) {
-                        WARN("SKIPPED: this processor lacks instruction set " << static_cast<int>(set));
-                        continue;
-                    }
+                const WideTracing scalar = wide_tracing(InstructionSet::scalar, test);
+                for (const InstructionSet set : simd::kInstructionSets) {
+                    if (!is_available(set)) continue;
                     const WideTracing tracing = wide_tracing(set, test);
                     std::size_t differences = 0;
                     for (const Ray& ray : rays) {
-                        const bool agrees = same_bits(tracing.closest(tree, ray), portable.closest(tree, ray)) &&
-                                            tracing.any(tree, ray) == portable.any(tree, ray);
+                        const bool agrees = same_bits(tracing.closest(tree, ray), scalar.closest(tree, ray)) &&
+                                            tracing.any(tree, ray) == scalar.any(tree, ray);
                         if (!agrees) ++differences;
                     }
-                    INFO(scene << ", leaves of " << max_leaf << ", set " << static_cast<int>(set));
+                    INFO(scene << ", leaves of " << max_leaf << ", set " << simd::to_string(set));
                     CHECK(differences == 0);
                 }
             }

@@ -15,24 +15,26 @@ struct Box4 {
 
     /// That of a Node, or of anything else with `lower` and `upper`, each with a word behind it.
     template <typename Boxed>
-    [[nodiscard]] static Box4 of(const Boxed& boxed) noexcept {
+    [[nodiscard]] static CLBVH_ALWAYS_INLINE Box4 of(const Boxed& boxed) noexcept {
         return {Float4::load(boxed.lower), Float4::load(boxed.upper)};
     }
-    void merge(const Box4& other) noexcept {
+    CLBVH_ALWAYS_INLINE void merge(const Box4& other) noexcept {
         lower = min(lower, other.lower);
         upper = max(upper, other.upper);
     }
-    void merge(Float4 point) noexcept {
+    CLBVH_ALWAYS_INLINE void merge(Float4 point) noexcept {
         lower = min(lower, point);
         upper = max(upper, point);
     }
     /// Twice the centre, as doubled_centroid() gives it, with 0 in the fourth lane.
-    [[nodiscard]] Float4 doubled_centroid() const noexcept { return lower.without_w() + upper.without_w(); }
-    [[nodiscard]] float half_area() const noexcept { return half_area_of_extents(upper - lower); }
+    [[nodiscard]] CLBVH_ALWAYS_INLINE Float4 doubled_centroid() const noexcept {
+        return lower.without_w() + upper.without_w();
+    }
+    [[nodiscard]] CLBVH_ALWAYS_INLINE float half_area() const noexcept { return half_area_of_extents(upper - lower); }
 };
 
 /// A node with this box.
-[[nodiscard]] inline Node make_node(const Box4& box, std::uint32_t first, std::uint32_t count) noexcept {
+[[nodiscard]] CLBVH_ALWAYS_INLINE Node make_node(const Box4& box, std::uint32_t first, std::uint32_t count) noexcept {
     Node node;
     // Whole vectors: a node that is copied soon would wait for stores of single words. The fourth lane goes behind the
     // corner.

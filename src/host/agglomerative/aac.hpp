@@ -14,7 +14,7 @@ namespace aac {
 /// What the paper fixes and tests vary.
 struct Variant {
     Reduction reduction;
-    InstructionSet instruction_set = best_instruction_set();
+    simd::InstructionSet instruction_set = simd::instruction_set();
 };
 
 /// As build_aac, with all choices open.

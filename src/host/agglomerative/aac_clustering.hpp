@@ -2,18 +2,10 @@
 
 #include <cstdint>
 
+#include "core/simd/dispatch.hpp"
 #include "host/agglomerative/aac_problem.hpp"
 
 namespace clbvh::host::aac {
-
-/// Which vectors the clustering works with. All give the same tree.
-enum class InstructionSet : std::uint8_t { scalar, sse2, avx2 };
-
-/// True where this machine, and this build of the library, has it.
-[[nodiscard]] bool is_available(InstructionSet set) noexcept;
-
-/// The fastest one that is available.
-[[nodiscard]] InstructionSet best_instruction_set() noexcept;
 
 /// The clustering itself, compiled for one instruction set. Both work on one thread and spawn no tasks.
 template <typename Code>
@@ -30,6 +22,10 @@ struct Clusterer {
 
 /// `set` is available. Code is std::uint32_t or std::uint64_t.
 template <typename Code>
-[[nodiscard]] Clusterer<Code> clusterer(InstructionSet set) noexcept;
+[[nodiscard]] Clusterer<Code> clusterer(simd::InstructionSet set) noexcept;
+
+/// The same, compiled for AVX2 where the library is.
+template <typename Code>
+[[nodiscard]] Clusterer<Code> clusterer_avx2() noexcept;
 
 }  // namespace clbvh::host::aac

@@ -1,8 +1,12 @@
-// BuildTree and CombineClusters, Gu et al. 2013, algorithms 3 and 4. aac_clustering.cpp includes this file once for
-// each instruction set, each time in a namespace of its own, after aac_lanes.ipp.
+// BuildTree and CombineClusters, Gu et al. 2013, algorithms 3 and 4, in terms of the vectors of core/simd. Files that
+// are compiled for different instruction sets include it within an anonymous namespace, so that none calls another's
+// copy.
 //
 // Clusters are named by their place on the stack. Ties between equal distances go to the next cluster in cyclic order,
 // so that equal boxes are merged in pairs, and pairs of pairs, not into a chain.
+
+/// The distance where there is no other cluster.
+constexpr float kFar = std::numeric_limits<float>::infinity();
 
 /// Ranges of this size ask for all that they read at once.
 constexpr std::uint32_t kFetch = 64;
@@ -11,6 +15,7 @@ constexpr std::uint32_t kFetch = 64;
 constexpr std::uint32_t kPairsAhead = 16;
 
 /// The box of one cluster, in every lane.
+template <typename Floats>
 struct Box {
     Floats lower[3];
     Floats upper[3];
@@ -32,8 +37,12 @@ struct Box {
     }
 };
 
-template <typename Code>
+/// `SmallSet` is a class as that of aac_small_set.ipp, or void.
+template <typename Set, typename SmallSet, typename Code>
 class Clustering {
+    using Floats = typename Set::Widest;
+    using Mask = typename Floats::Mask;
+
 public:
     /// Sibling pairs are taken from `next_pair` down; 0: from the clusters.
     Clustering(const Problem<Code>& problem, Stack& stack, std::uint32_t next_pair) noexcept
@@ -60,13 +69,13 @@ public:
 
     /// Makes one range of two, and at most `target` clusters of it. Returns its end.
     std::uint32_t unite(std::uint32_t base, std::uint32_t middle, std::uint32_t top, std::uint32_t target) noexcept {
-#if defined(CLBVH_AAC_HAS_SMALL_SETS)
-        if (top - base <= SmallSet::kMostClusters) {
-            SmallSet set(stack_, base, top);
-            set.find_across(stack_, base, middle - base);
-            return combine_small(set, base, target);
+        if constexpr (!std::is_void_v<SmallSet>) {
+            if (top - base <= SmallSet::kMostClusters) {
+                SmallSet set(stack_, base, top);
+                set.find_across(stack_, base, middle - base);
+                return combine_small(set, base, target);
+            }
         }
-#endif
         find_across(base, middle, middle, top);
         find_across(middle, top, base, middle);
         return combine(base, top, target);
@@ -95,12 +104,12 @@ private:
         const std::uint32_t top = base + (end - begin);
         for (std::uint32_t i = base; i < top; ++i)
             push_primitive(begin + (i - base), i);
-#if defined(CLBVH_AAC_HAS_SMALL_SETS)
-        if (top - base <= SmallSet::kMostClusters) {
-            SmallSet set(stack_.clusters + base, top - base);
-            return combine_small(set, base, target);
+        if constexpr (!std::is_void_v<SmallSet>) {
+            if (top - base <= SmallSet::kMostClusters) {
+                SmallSet set(stack_.clusters + base, top - base);
+                return combine_small(set, base, target);
+            }
         }
-#endif
         for (std::uint32_t i = base; i < top; ++i)
             set_bounds(i, box_of(stack_.clusters[i].node));
         if (top - base == 1) {
@@ -112,12 +121,12 @@ private:
         return combine(base, top, target);
     }
 
-#if defined(CLBVH_AAC_HAS_SMALL_SETS)
     /// As combine().
-    std::uint32_t combine_small(SmallSet& set, std::uint32_t base, std::uint32_t target) noexcept {
+    template <typename Small>
+    std::uint32_t combine_small(Small& set, std::uint32_t base, std::uint32_t target) noexcept {
         std::uint32_t last = set.count();
         while (set.count() > target) {
-            const SmallSet::Pair pair = set.find_closest_pair(last);
+            const typename Small::Pair pair = set.find_closest_pair(last);
             const std::uint32_t high = base + pair.high_lane();
             merge_clusters(base + pair.low_lane(), high, pair.area());
             stack_.clusters[high] = stack_.clusters[base + set.count() - 1];
@@ -127,7 +136,6 @@ private:
         set.store(stack_, base);
         return base + set.count();
     }
-#endif
 
     void push_primitive(std::uint32_t position, std::uint32_t target) noexcept {
         const Reference& reference = problem_.references[problem_.ids[position]];
@@ -160,13 +168,13 @@ private:
 
     /// Measures the distances of `cluster` to all others of its range, into `distances`, and finds its closest.
     void find_best_match(std::uint32_t cluster, std::uint32_t base, std::uint32_t top, float* distances) noexcept {
-        const Box box(stack_, cluster);
+        const Box<Floats> box(stack_, cluster);
         Floats least = Floats::filled(kFar);
         for (std::uint32_t j = base; j < top; j += Floats::kCount) {
             Floats distance = box.distances(stack_, j);
-            distance = select(only_lane(cluster - j), Floats::filled(kFar), distance);
+            distance = select(Floats::only_lane(cluster - j), Floats::filled(kFar), distance);
             distance.store(distances + j);
-            least = min(least, select(first_lanes(top - j), distance, Floats::filled(kFar)));
+            least = min(least, select(Floats::first_lanes(top - j), distance, Floats::filled(kFar)));
         }
         stack_.best[cluster] = least.least();
         stack_.closest[cluster] = find_next(distances, stack_.best[cluster], base, top, cluster);
@@ -175,7 +183,7 @@ private:
     [[nodiscard]] static float find_least(const float* values, std::uint32_t base, std::uint32_t top) noexcept {
         Floats least = Floats::filled(kFar);
         for (std::uint32_t j = base; j < top; j += Floats::kCount)
-            least = min(least, select(first_lanes(top - j), Floats::load(values + j), Floats::filled(kFar)));
+            least = min(least, select(Floats::first_lanes(top - j), Floats::load(values + j), Floats::filled(kFar)));
         return least.least();
     }
 
@@ -210,10 +218,10 @@ private:
             Floats best = Floats::load(stack.best + j);
             Floats closest = Floats::load(reinterpret_cast<const float*>(stack.closest) + j);
             for (std::uint32_t i = other_base; i < other_top; ++i) {
-                const Floats distance = Box(stack, i).distances(stack, j);
+                const Floats distance = Box<Floats>(stack, i).distances(stack, j);
                 const Mask closer = less(distance, best);
                 best = min(distance, best);
-                closest = select(closer, Floats::index(i), closest);
+                closest = select(closer, Floats::filled_with_bits(i), closest);
             }
             best.store_first(top - j, stack.best + j);
             closest.store_first(top - j, reinterpret_cast<float*>(stack.closest) + j);
@@ -287,9 +295,10 @@ private:
         float* const closest_lanes = reinterpret_cast<float*>(stack_.closest);
         for (std::uint32_t j = base; j < top; j += Floats::kCount) {
             const Floats closest = Floats::load(closest_lanes + j);
-            const Mask lost = same_index(closest, Floats::index(low)) | same_index(closest, Floats::index(high));
-            const Mask moved = same_index(closest, Floats::index(top));
-            select(moved, Floats::index(high), closest).store(closest_lanes + j);
+            const Mask lost =
+                same_bits(closest, Floats::filled_with_bits(low)) | same_bits(closest, Floats::filled_with_bits(high));
+            const Mask moved = same_bits(closest, Floats::filled_with_bits(top));
+            select(moved, Floats::filled_with_bits(high), closest).store(closest_lanes + j);
             std::uint32_t bits = lost.bits() & low_bits(top - j);
             for (; bits != 0; bits &= bits - 1)
                 replace_closest(j + static_cast<std::uint32_t>(std::countr_zero(bits)), low, base, top);
@@ -311,24 +320,24 @@ private:
     std::uint32_t next_pair_;
 };
 
-template <typename Code>
+template <typename Set, typename SmallSet, typename Code>
 std::uint32_t build_tree(const Problem<Code>& problem, Stack& stack, std::uint32_t begin, std::uint32_t end,
                          std::uint32_t most) noexcept {
-    Clustering<Code> clustering(problem, stack, end - 1);
+    Clustering<Set, SmallSet, Code> clustering(problem, stack, end - 1);
     const std::uint32_t top = clustering.combine(0, clustering.build_tree(begin, end, 0, false), most);
     for (std::uint32_t i = 0; i < top; ++i)
         stack.clusters[i].pair = begin + i;
     return top;
 }
 
-template <typename Code>
+template <typename Set, typename SmallSet, typename Code>
 std::uint32_t unite(const Problem<Code>& problem, Stack& stack, std::uint32_t middle, std::uint32_t top,
                     std::uint32_t target) noexcept {
-    Clustering<Code> clustering(problem, stack, 0);
+    Clustering<Set, SmallSet, Code> clustering(problem, stack, 0);
     return clustering.unite(0, middle, top, target);
 }
 
-template <typename Code>
-Clusterer<Code> clusterer() noexcept {
-    return {build_tree<Code>, unite<Code>};
+template <typename Set, typename SmallSet, typename Code>
+Clusterer<Code> clusterer_of() noexcept {
+    return {build_tree<Set, SmallSet, Code>, unite<Set, SmallSet, Code>};
 }

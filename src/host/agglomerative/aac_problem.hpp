@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/simd/always_inline.hpp"
 #include "host/build/emit_tree.hpp"
 #include "host/build/reference.hpp"
 
@@ -88,8 +89,8 @@ struct Options {
 
 /// Section 3.3.2: C(T) of an inner node with these children, whose half area is `area`. Where that is 0, a ray that
 /// meets the node meets both children.
-[[nodiscard]] inline float cost_of_inner(float inner_cost, const Cluster& left, const Cluster& right,
-                                         float area) noexcept {
+[[nodiscard]] CLBVH_ALWAYS_INLINE float cost_of_inner(float inner_cost, const Cluster& left, const Cluster& right,
+                                                      float area) noexcept {
     const float left_cost = inner_cost + left.cost;
     const float right_cost = inner_cost + right.cost;
     return area > 0.0f ? (left.area * left_cost + right.area * right_cost) / area : left_cost + right_cost;
@@ -112,7 +113,8 @@ struct Problem {
 /// MakePartition of section 3.1: where the highest bit that is not the same in all codes of begin .. end, two at least,
 /// becomes 1; or the middle, where all codes are equal.
 template <typename Code>
-[[nodiscard]] std::uint32_t partition(const Code* codes, std::uint32_t begin, std::uint32_t end) noexcept {
+[[nodiscard]] CLBVH_ALWAYS_INLINE std::uint32_t partition(const Code* codes, std::uint32_t begin,
+                                                          std::uint32_t end) noexcept {
     const Code last = codes[end - 1];
     const Code difference = codes[begin] ^ last;
     if (difference == 0) return begin + (end - begin) / 2;
@@ -132,7 +134,8 @@ inline constexpr std::uint32_t kSmallRange = 64;
 
 /// Which part of begin .. end leaves its clusters below those of the other one: of large ranges the larger part, so
 /// that what lies on the stack sums up to f(n) + f(n / 2) + f(n / 4) + ... at most, whatever the input.
-[[nodiscard]] inline bool goes_left_first(std::uint32_t begin, std::uint32_t split, std::uint32_t end) noexcept {
+[[nodiscard]] CLBVH_ALWAYS_INLINE bool goes_left_first(std::uint32_t begin, std::uint32_t split,
+                                                       std::uint32_t end) noexcept {
     return end - begin <= kSmallRange || split - begin >= end - split;
 }
 

@@ -188,7 +188,7 @@ private:
 
     /// The lanes that are not beyond the best: mostly none, which is found without a branch for each.
     [[nodiscard]] std::uint32_t promising(Float4 distances) const noexcept {
-        return lanes_at_most(distances, Float4::filled(best_.distance));
+        return less_equal(distances, Float4::filled(best_.distance)).bits();
     }
 
     void search_leaf(std::uint32_t leaf) noexcept {

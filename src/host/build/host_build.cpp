@@ -2,6 +2,7 @@
 
 #include "core/memory_errors.hpp"
 #include "core/primitive_limit.hpp"
+#include "core/simd/dispatch.hpp"
 #include "host/build/primitive_bounds.hpp"
 
 namespace clbvh::host {
@@ -10,6 +11,7 @@ namespace {
 /// The build from references to the result; empty where there are none.
 BuildStats run_algorithm(std::span<Reference> references, const Bounds& bounds, const Mesh* mesh,
                          const BoundAlgorithm& algorithm, Scratch& scratch, HostStages& stages, Bvh& result) {
+    simd::check_instruction_set();
     result.split_references = false;
     if (references.empty()) {
         result.nodes.clear();

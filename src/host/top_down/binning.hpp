@@ -18,7 +18,7 @@ public:
     Binning(const Box4& centroid_bounds, std::uint32_t bin_count, bool longest_axis_only) noexcept;
 
     /// Bins of one reference along x, y and z, into `bins`, which takes four.
-    void bins_of(const Reference& reference, std::int32_t* bins) const noexcept {
+    CLBVH_ALWAYS_INLINE void bins_of(const Reference& reference, std::int32_t* bins) const noexcept {
         const Float4 offset = Box4::of(reference).doubled_centroid() - base_;
         min(offset * scale_, last_).truncate(bins);
     }

@@ -20,13 +20,12 @@
 
 using namespace clbvh;
 using namespace clbvh::test;
-using host::aac::InstructionSet;
 using host::aac::Reduction;
 using host::aac::Variant;
+using simd::InstructionSet;
+using simd::kInstructionSets;
 
 namespace {
-
-constexpr InstructionSet kInstructionSets[] = {InstructionSet::scalar, InstructionSet::sse2, InstructionSet::avx2};
 
 Reduction reduction_of(const AacConfig& config) {
     return Reduction::of_paper(config.delta, static_cast<double>(config.epsilon));

@@ -10,9 +10,9 @@
 #include "clbvh/core/validate.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
-#include "core/simd/box8.hpp"
 #include "support/compare_trees.hpp"
 #include "support/expect_error.hpp"
+#include "support/instruction_sets.hpp"
 #include "support/meshes.hpp"
 #include "support/references.hpp"
 
@@ -136,21 +136,10 @@ void expect_oracle_tree(const Mesh& mesh, const BinnedSahConfig& config, const s
     CHECK(validate(bvh, mesh).error == "");
 }
 
-/// Compiled for AVX2 or not, the code gives the same bits.
-template <typename Check>
-void with_and_without_avx2(const Check& check) {
-    const bool available = host::use_avx2;
-    if (!available) WARN("only the baseline: this processor or compiler has no AVX2");
-    check();
-    host::use_avx2 = false;
-    check();
-    host::use_avx2 = available;
-}
-
 }  // namespace
 
 TEST_CASE("binned-sah equals its oracle on every generated scene") {
-    with_and_without_avx2([] {
+    with_each_instruction_set([] {
         for (const SceneGeneratorInfo& scene : scene_generators()) {
             for (const std::uint32_t size : {1u, 2u, 3u, 5u, 8u, 9u, 16u, 17u, 18u, 33u, 100u, 1000u})
                 expect_oracle_tree(generate_scene(scene.name, size), {}, std::string(scene.name));
@@ -181,7 +170,7 @@ TEST_CASE("binned-sah equals its oracle with other options") {
 
 TEST_CASE("binned-sah equals its oracle where ranges are divided in parallel") {
     // Above the 65,536 references from which chunks are binned apart.
-    with_and_without_avx2([] { expect_oracle_tree(generate_scene("soup", 70000), {}, "soup"); });
+    with_each_instruction_set([] { expect_oracle_tree(generate_scene("soup", 70000), {}, "soup"); });
     expect_oracle_tree(generate_scene("particles", 70000), {}, "particles");
 }
 

@@ -1,0 +1,29 @@
+// Tracing, compiled for AVX2.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <type_traits>
+
+#include "clbvh/trace/box_tests.hpp"
+#include "clbvh/trace/traverse.hpp"
+#include "core/simd/avx2.hpp"
+#include "trace/triangle_tests.hpp"
+#include "trace/wide_tracing.hpp"
+
+namespace clbvh::trace {
+namespace {
+
+#include "trace/wide_triangles.ipp"
+// Written in terms of that.
+#include "trace/wide_tracing.ipp"
+
+}  // namespace
+
+WideTracing wide_tracing_avx2(TriangleTest test) noexcept {
+    return tracing_of<simd::avx2::Set>(test);
+}
+
+}  // namespace clbvh::trace
