@@ -108,21 +108,21 @@ void add(const Stage& stage, const std::string& variant, const BuildOptions& opt
 
 void add_sorts(const Stage& stage, const std::string& variant, BuildOptions options) {
     for (const std::uint32_t code_bits : {33u, 44u, 63u}) {
-        options.code_bits = code_bits;
+        options.device.code_bits = code_bits;
         add(stage, variant + "/code_bits:" + std::to_string(code_bits), options);
     }
 }
 
 void add_all(Shape shape) {
     BuildOptions options;
-    options.shape = shape;
-    options.sort_shape = shape;
+    options.device.shape = shape;
+    options.device.sort_shape = shape;
     const std::string variant(to_string(shape));
     add({"bounds", launch_nothing, bounds}, variant, options);
     add_sorts({"morton", bounds, codes}, variant, options);
-    options.morton_code = MortonCode::extended;
+    options.device.morton_code = MortonCode::extended;
     add({"morton", bounds, codes}, variant + "/extended", options);
-    options.morton_code = MortonCode::xyz;
+    options.device.morton_code = MortonCode::xyz;
     add({"count", before_sort, count}, variant, options);
     add_sorts({"sort", before_sort, sort}, variant, options);
     add({"leaves", before_leaves, leaves}, variant, options);

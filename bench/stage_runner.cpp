@@ -22,7 +22,9 @@ cl::Buffer upload(const device::Session& session, const void* data, std::size_t 
 }  // namespace
 
 StageRunner::StageRunner(const BuildOptions& options, std::uint32_t triangles)
-    : context_(shared_context()), settings_(device::resolve_settings(options, context_.session())) {
+    : context_(shared_context()),
+      settings_(device::resolve_settings({.device = options.device, .ploc = options.ploc, .hploc = options.hploc},
+                                         context_.session())) {
     const Mesh mesh = generate_scene(kScene, triangles);
     mesh_.vertices = upload(session(), mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
     mesh_.triangles = upload(session(), mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));

@@ -18,7 +18,8 @@ int main(void) {
     }
 
     clbvh_builder* builder = NULL;
-    if (clbvh_create_builder("plocpp", NULL, NULL, &builder) != CLBVH_OK ||
+    if (clbvh_create_builder("plocpp", NULL, &builder) != CLBVH_OK ||
+        clbvh_set_option(builder, "ploc.search_radius", "8") != CLBVH_OK ||
         clbvh_build(builder, vertices, TRIANGLE_COUNT + 2, triangles, TRIANGLE_COUNT) != CLBVH_OK) {
         fprintf(stderr, "hello_c: %s\n", clbvh_last_error());
         clbvh_destroy_builder(builder);

@@ -3,12 +3,12 @@
 #include <memory>
 #include <string_view>
 
-#include "clbvh/core/build_options.hpp"
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/build_stats.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/export.h"
-#include "clbvh/registry.hpp"
+#include "clbvh/options.hpp"
 
 namespace clbvh {
 
@@ -56,7 +56,7 @@ public:
     [[nodiscard]] const BuildOptions& options() const noexcept;
     /// Throws Error(unsupported) for a host builder.
     [[nodiscard]] const Context& context() const;
-    /// The shape that runs: what BuildOptions::shape was resolved to, group or lane; automatic for a host builder.
+    /// The shape that runs: what DeviceConfig::shape was resolved to, group or lane; automatic for a host builder.
     [[nodiscard]] Shape shape() const noexcept;
 
 private:

@@ -38,47 +38,51 @@ typedef struct clbvh_node {
    the estimated part done, 0 to 1. Returning 0 cancels. */
 typedef int (*clbvh_progress)(void* user, const char* stage, double fraction);
 
-/** Options of a builder; fill with clbvh_default_options first. Later versions may append fields: `size` says which the
-    caller knows, the others keep their defaults. */
-typedef struct clbvh_options {
-    uint32_t size;                   /**< sizeof(clbvh_options) of the caller. */
-    uint32_t search_radius;          /**< 1 to 32. */
-    uint32_t shape;                  /**< 0 automatic, 1 group, 2 lane. */
-    uint32_t extended_morton_code;   /**< 0 3D codes, 1 4D extended codes. */
-    uint32_t exact_distances;        /**< 0 the 32-bit encoding of PLOC++, 1 exact. */
-    uint32_t single_group_threshold; /**< plocpp: clusters below which one work group finishes, 2 to 2^20; 0: chosen. */
-    clbvh_progress progress;         /**< May be null. */
-    void* progress_user;             /**< Handed to `progress`. */
-    float inner_cost;                /**< Cost of visiting an inner node, above 0: SAH builders, merging of leaves. */
-    float primitive_cost;            /**< Cost of testing one primitive, above 0: the same. */
-    uint32_t max_leaf_size;          /**< Most primitives of a leaf, 1 to 64; 0: as the builder leaves it. */
-    uint32_t presplit_level;         /**< Split triangles with bad edges first, 1 to 40, say 14; 0: do not. */
-    uint32_t thread_count;           /**< Threads of the host's work, 1 to 1024; 0: all. */
-    uint32_t bin_count;              /**< binned-sah, sbvh: bins an axis, 2 to 64. */
-    float split_alpha;               /**< sbvh: see clbvh::BuildOptions, 0 to 1. */
-    float reference_budget;          /**< sbvh: most references, as a multiple of the primitives, 1 to 8. */
-    uint32_t hploc_quality;          /**< 0 the preset balanced of hploc, 1 fast; see clbvh::HplocQuality. */
-    uint32_t code_bits;              /**< Bits of the spatial code that are sorted: 33, 44, 63; 0: chosen. */
-    const char* optimizers;          /**< Ids with commas between them, run behind the builder: "reinsert" say, also
-                                        those that split triangles first. Null or "": none. Copied. */
-    float split_quota;               /**< Split triangles with the largest boxes first, so many times a triangle in all,
-                                        above 0 to 4, say 0.3; 0: do not. Not with presplit_level. */
-    uint32_t optimize_passes;        /**< Most passes of each optimizer; 0: as many as it finds worth while. */
-} clbvh_options;
-
-/** A builder, on a device or on the host, with its programs, its memory and the last finished tree. One thread at a
-    time. */
+/** A builder, on a device or on the host, with its options, its programs, its memory and the last finished tree. One
+    thread at a time. */
 typedef struct clbvh_builder clbvh_builder;
 
-/** Fills the first `size` bytes of `options` with the defaults, and its field `size`. Pass sizeof(clbvh_options): a
-   later version of the library then writes no field that the caller was not compiled with. */
-CLBVH_API void clbvh_default_options(clbvh_options* options, uint32_t size);
-
 /** Creates builder or preset `id` ("plocpp", "high", ...) on the device that `device` picks (null or "": the default,
-   see clbvh::pick_device). Builders of the host ("binned-sah", ...) need no device and ignore `device`. `options` may
-   be null. `*builder` is null after a failure. */
-CLBVH_API clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh_options* options,
-                                           clbvh_builder** builder);
+   see clbvh::pick_device), with default options. Builders of the host ("binned-sah", ...) need no device and ignore
+   `device`. `*builder` is null after a failure. */
+CLBVH_API clbvh_error clbvh_create_builder(const char* id, const char* device, clbvh_builder** builder);
+
+/** Sets an option for the next clbvh_build: clbvh_set_option(builder, "max_leaf_size", "8"). Each builder reads those
+   that concern it. Fails with CLBVH_INVALID_INPUT, naming the option and what it takes, where the value is none of
+   that, or there is no such option; the options are then as they were. Options that contradict each other, or ask for
+   what the device cannot do, make clbvh_build fail. */
+CLBVH_API clbvh_error clbvh_set_option(clbvh_builder* builder, const char* name, const char* value);
+
+/** The value of an option as clbvh_set_option takes it, valid until the next call with this builder. Null after a
+   failure. What a preset puts in the place of defaults is not among it. */
+CLBVH_API const char* clbvh_get_option(clbvh_builder* builder, const char* name);
+
+/** Calls `progress`, which may be null, with `user` during the next clbvh_build and those after it. */
+CLBVH_API clbvh_error clbvh_set_progress(clbvh_builder* builder, clbvh_progress progress, void* user);
+
+/** The values that an option has. */
+typedef enum clbvh_option_type {
+    CLBVH_OPTION_WHOLE = 0,   /**< A number of 32 bits without a sign: "16". */
+    CLBVH_OPTION_REAL = 1,    /**< "0.3", "1e-05". */
+    CLBVH_OPTION_BOOLEAN = 2, /**< "on" or "off". */
+    CLBVH_OPTION_CHOICE = 3,  /**< One of the names in `values`. */
+    CLBVH_OPTION_TEXT = 4     /**< Any other text. */
+} clbvh_option_type;
+
+/** One row of the table of options. The library owns it; later versions may append fields. */
+typedef struct clbvh_option {
+    const char* name; /**< "max_leaf_size", "ploc.search_radius"; see clbvh::BuildOptions. */
+    clbvh_option_type type;
+    const char* values;        /**< What it takes, for people: "1 to 32". */
+    const char* default_value; /**< As clbvh_get_option says it. */
+    const char* help;          /**< What it does. */
+    const char* readers;       /**< "all" builders, all "device" builders, or ids with ", " between them. */
+} clbvh_option;
+
+/** How many options there are. */
+CLBVH_API uint32_t clbvh_option_count(void);
+/** The option of that index, below clbvh_option_count; else null. */
+CLBVH_API const clbvh_option* clbvh_option_info(uint32_t index);
 
 /** Destroys the builder and its tree; null is allowed. */
 CLBVH_API void clbvh_destroy_builder(clbvh_builder* builder);
@@ -112,7 +116,7 @@ typedef struct clbvh_optimize_stats {
 /** Improves the tree of the last clbvh_build with the optimizers of `ids`, ids with commas between them ("reinsert"
     say; see clbvh::optimizers), one after the other, on all threads. `budget` and `stats` may be null. Fails with
     CLBVH_INVALID_INPUT where there is no tree, an id is unknown, or one splits triangles first: that is for
-    clbvh_options.optimizers. After a failure the tree is as it was. */
+    the option "optimizers". After a failure the tree is as it was. */
 CLBVH_API clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_budget* budget,
                                      clbvh_optimize_stats* stats);
 

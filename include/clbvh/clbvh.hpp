@@ -4,8 +4,8 @@
 /// sets of rays and cost fits in clbvh/eval/ (clbvh::eval).
 
 #include "clbvh/builder.hpp"
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/aabb.hpp"
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/build_stats.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/error.hpp"
@@ -31,9 +31,7 @@
 #include "clbvh/optimize/reinsert.hpp"
 #include "clbvh/optimize/rotate.hpp"
 #include "clbvh/optimize/treelet.hpp"
-#include "clbvh/optimizers.hpp"
-#include "clbvh/presets.hpp"
-#include "clbvh/registry.hpp"
+#include "clbvh/options.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "clbvh/trace/traverse.hpp"
 #include "clbvh/version.h"

@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "catalog/builder_rows.hpp"
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/device/context.hpp"
+#include "clbvh/options.hpp"
 
 namespace clbvh {
 
@@ -32,7 +32,7 @@ public:
     [[nodiscard]] virtual Bvh& tree() = 0;
     /// True where tree() has to fetch it.
     [[nodiscard]] virtual bool is_remote() const noexcept = 0;
-    /// What BuildOptions::shape was resolved to; automatic where there are no kernels.
+    /// What DeviceConfig::shape was resolved to; automatic where there are no kernels.
     [[nodiscard]] virtual Shape shape() const noexcept = 0;
 };
 

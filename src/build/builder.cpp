@@ -8,10 +8,9 @@
 #include "build/finish_stage.hpp"
 #include "build/presplit_stage.hpp"
 #include "catalog/optimizer_rows.hpp"
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/error.hpp"
 #include "clbvh/device/context.hpp"
-#include "clbvh/optimizers.hpp"
-#include "clbvh/presets.hpp"
 #include "core/arena_size.hpp"
 #include "core/memory_errors.hpp"
 

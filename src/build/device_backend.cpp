@@ -1,4 +1,5 @@
 #include "build/backend.hpp"
+#include "catalog/device_configs.hpp"
 #include "catalog/device_optimizers.hpp"
 #include "device/build/pipeline.hpp"
 #include "device/opencl/session.hpp"
@@ -24,7 +25,8 @@ public:
         : algorithm_(*row.device_algorithm),
           options_(options),
           context_(context),
-          settings_(device::prepare_pipeline(context_.session(), algorithm_, options)) {
+          settings_(
+              device::prepare_pipeline(context_.session(), algorithm_, device_configs_for(row.info.id, options))) {
         if (options.optimize_on == OptimizeOn::device) {
             optimizers_ = make_optimizer_chain(context_.session(), options);
         }

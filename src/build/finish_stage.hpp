@@ -4,9 +4,9 @@
 #include <span>
 
 #include "build/backend.hpp"
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/build_stats.hpp"
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/options.hpp"
 #include "core/scratch.hpp"
 #include "host/build/host_stages.hpp"
 

@@ -38,7 +38,7 @@ public:
     Shape shape() const noexcept override { return Shape::automatic; }
 
 private:
-    host::HostAlgorithm algorithm_;
+    HostAlgorithm algorithm_;
     const BuildOptions& options_;
     tbb::task_arena& arena_;
     Mesh mesh_;

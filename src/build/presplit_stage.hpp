@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "catalog/builder_rows.hpp"
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/build_stats.hpp"
+#include "clbvh/options.hpp"
 #include "host/split/presplit.hpp"
 
 namespace clbvh {

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <deque>
+#include <memory>
 #include <new>
 #include <optional>
 #include <string>
@@ -12,7 +14,11 @@
 static_assert(sizeof(clbvh_node) == sizeof(clbvh::Node));
 
 struct clbvh_builder {
-    clbvh::Builder builder;
+    std::string id;
+    std::optional<clbvh::Context> context;  // absent for builders of the host
+    clbvh::BuildOptions options;
+    std::optional<clbvh::Builder> builder;  // once it has built with these options
+    std::string text;                       // what clbvh_get_option returned last
     clbvh::Bvh bvh;
     bool has_tree = false;                    // which may be empty
     clbvh::Mesh moved;                        // what clbvh_refit was given last; its memory is used again
@@ -42,7 +48,6 @@ clbvh_error guarded(Body&& body) noexcept {
 }
 
 // The first structures that there were: no caller knows fewer fields.
-constexpr std::size_t kSmallestOptions = offsetof(clbvh_options, inner_cost);
 constexpr std::size_t kSmallestBudget = offsetof(clbvh_budget, progress_user) + sizeof(void*);
 constexpr std::size_t kSmallestStats = offsetof(clbvh_optimize_stats, is_cancelled) + sizeof(std::uint32_t);
 
@@ -57,73 +62,15 @@ void require_tree(const clbvh_builder* builder) {
     require(builder->has_tree, "there is no tree; call clbvh_build first");
 }
 
-clbvh_options default_options() {
-    const clbvh::BuildOptions defaults;
-    return {sizeof(clbvh_options),
-            defaults.search_radius,
-            0,
-            0,
-            0,
-            defaults.single_group_threshold,
-            nullptr,
-            nullptr,
-            defaults.inner_cost,
-            defaults.primitive_cost,
-            defaults.max_leaf_size,
-            defaults.presplit_level,
-            defaults.thread_count,
-            defaults.bin_count,
-            defaults.split_alpha,
-            defaults.reference_budget,
-            static_cast<std::uint32_t>(defaults.hploc_quality),
-            defaults.code_bits,
-            nullptr,
-            defaults.split_quota,
-            defaults.optimize_passes};
-}
-
 /// False where the callback says stop.
 bool report(clbvh_progress callback, void* user, const clbvh::Progress& progress) {
     return callback(user, std::string(progress.stage).c_str(), progress.fraction) != 0;
 }
 
-clbvh::BuildOptions to_build_options(const clbvh_options* given) {
-    clbvh_options options = default_options();
-    if (given != nullptr) {
-        require(given->size >= kSmallestOptions, "clbvh_options.size is not set; use clbvh_default_options");
-        std::memcpy(&options, given, std::min<std::size_t>(given->size, sizeof(options)));
-    }
-    require(options.shape <= 2, "clbvh_options.shape is not 0, 1 or 2");
-    require(options.extended_morton_code <= 1, "clbvh_options.extended_morton_code is not 0 or 1");
-    require(options.exact_distances <= 1, "clbvh_options.exact_distances is not 0 or 1");
-    require(options.hploc_quality <= 1, "clbvh_options.hploc_quality is not 0 or 1");
-    clbvh::BuildOptions result;
-    result.search_radius = options.search_radius;
-    result.shape = static_cast<clbvh::Shape>(options.shape);
-    result.morton_code = static_cast<clbvh::MortonCode>(options.extended_morton_code);
-    if (options.exact_distances != 0) {
-        result.neighbour_encoding = clbvh::NeighbourEncoding::bits64;
-    }
-    result.single_group_threshold = options.single_group_threshold;
-    result.inner_cost = options.inner_cost;
-    result.primitive_cost = options.primitive_cost;
-    result.max_leaf_size = options.max_leaf_size;
-    result.presplit_level = options.presplit_level;
-    result.thread_count = options.thread_count;
-    result.bin_count = options.bin_count;
-    result.split_alpha = options.split_alpha;
-    result.reference_budget = options.reference_budget;
-    result.hploc_quality = static_cast<clbvh::HplocQuality>(options.hploc_quality);
-    result.code_bits = options.code_bits;
-    if (options.optimizers != nullptr) result.optimizers = options.optimizers;
-    result.split_quota = options.split_quota;
-    result.optimize_passes = options.optimize_passes;
-    if (options.progress != nullptr) {
-        result.progress = [options](const clbvh::Progress& progress) {
-            return report(options.progress, options.progress_user, progress);
-        };
-    }
-    return result;
+/// A null callback becomes none.
+clbvh::ProgressCallback to_callback(clbvh_progress callback, void* user) {
+    if (callback == nullptr) return {};
+    return [callback, user](const clbvh::Progress& progress) { return report(callback, user, progress); };
 }
 
 clbvh::OptimizeBudget to_budget(const clbvh_budget* given) {
@@ -133,11 +80,7 @@ clbvh::OptimizeBudget to_budget(const clbvh_budget* given) {
     require(given->milliseconds >= 0.0, "clbvh_budget.milliseconds is negative or not a number");
     result.passes = given->passes;
     result.milliseconds = given->milliseconds;
-    if (given->progress != nullptr) {
-        result.progress = [callback = given->progress, user = given->progress_user](const clbvh::Progress& progress) {
-            return report(callback, user, progress);
-        };
-    }
+    result.progress = to_callback(given->progress, given->progress_user);
     return result;
 }
 
@@ -156,32 +99,97 @@ void copy_mesh(const float* vertices, std::uint64_t vertex_count, const std::uin
     }
 }
 
-clbvh::Builder make_builder(const char* id, const char* device, const clbvh::BuildOptions& options) {
-    if (clbvh::find_builder(id).kind == clbvh::BuilderKind::host) return clbvh::Builder(id, options);
-    clbvh::check_options(options);  // before a device is opened
-    clbvh::check_optimizers(options.optimizers);
-    return {id, clbvh::Context::open(device != nullptr ? device : ""), options};
+/// The builder with the options that were set last.
+clbvh::Builder& builder_of(clbvh_builder& handle) {
+    if (!handle.builder) {
+        if (handle.context) {
+            handle.builder.emplace(handle.id, *handle.context, handle.options);
+        } else {
+            handle.builder.emplace(handle.id, handle.options);
+        }
+    }
+    return *handle.builder;
+}
+
+/// A row of the table of options, whose texts end with a zero.
+struct OptionTexts {
+    explicit OptionTexts(const clbvh::OptionInfo& info)
+        : name(info.name),
+          values(info.values),
+          default_value(info.default_value),
+          help(info.help),
+          readers(info.readers),
+          row{name.c_str(),   static_cast<clbvh_option_type>(info.type),
+              values.c_str(), default_value.c_str(),
+              help.c_str(),   readers.c_str()} {}
+    OptionTexts(const OptionTexts&) = delete;
+    OptionTexts& operator=(const OptionTexts&) = delete;
+    ~OptionTexts() = default;
+
+    std::string name, values, default_value, help, readers;
+    clbvh_option row;
+};
+
+const std::deque<OptionTexts>& option_texts() {
+    static const std::deque<OptionTexts> texts = [] {
+        std::deque<OptionTexts> list;
+        for (const clbvh::OptionInfo& info : clbvh::options())
+            list.emplace_back(info);
+        return list;
+    }();
+    return texts;
 }
 
 }  // namespace
 
-void clbvh_default_options(clbvh_options* options, uint32_t size) {
-    if (options != nullptr) {
-        clbvh_options defaults = default_options();
-        defaults.size = size;
-        std::memcpy(options, &defaults, std::min<std::size_t>(size, sizeof(defaults)));
-    }
-}
-
-clbvh_error clbvh_create_builder(const char* id, const char* device, const clbvh_options* options,
-                                 clbvh_builder** builder) {
+clbvh_error clbvh_create_builder(const char* id, const char* device, clbvh_builder** builder) {
     return guarded([&] {
         require(builder != nullptr, "builder is null");
         *builder = nullptr;
         require(id != nullptr, "id is null");
-        const clbvh::BuildOptions build_options = to_build_options(options);
-        *builder = new clbvh_builder{make_builder(id, device, build_options), {}, false, {}, {}};
+        auto handle = std::make_unique<clbvh_builder>();
+        handle->id = id;
+        if (clbvh::find_builder(id).kind == clbvh::BuilderKind::device)
+            handle->context = clbvh::Context::open(device != nullptr ? device : "");
+        *builder = handle.release();
     });
+}
+
+clbvh_error clbvh_set_option(clbvh_builder* builder, const char* name, const char* value) {
+    return guarded([&] {
+        require(builder != nullptr, "builder is null");
+        require(name != nullptr, "name is null");
+        require(value != nullptr, "value is null");
+        clbvh::set_option(builder->options, name, value);
+        builder->builder.reset();
+    });
+}
+
+const char* clbvh_get_option(clbvh_builder* builder, const char* name) {
+    const char* text = nullptr;
+    guarded([&] {
+        require(builder != nullptr, "builder is null");
+        require(name != nullptr, "name is null");
+        builder->text = clbvh::get_option(builder->options, name);
+        text = builder->text.c_str();
+    });
+    return text;
+}
+
+clbvh_error clbvh_set_progress(clbvh_builder* builder, clbvh_progress progress, void* user) {
+    return guarded([&] {
+        require(builder != nullptr, "builder is null");
+        builder->options.progress = to_callback(progress, user);
+        builder->builder.reset();
+    });
+}
+
+uint32_t clbvh_option_count(void) {
+    return static_cast<uint32_t>(clbvh::options().size());
+}
+
+const clbvh_option* clbvh_option_info(uint32_t index) {
+    return index < option_texts().size() ? &option_texts()[index].row : nullptr;
 }
 
 void clbvh_destroy_builder(clbvh_builder* builder) {
@@ -197,7 +205,7 @@ clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t 
         builder->has_tree = false;
         clbvh::Mesh mesh;
         copy_mesh(vertices, vertex_count, triangles, triangle_count, mesh);
-        builder->bvh = builder->builder.build(mesh);
+        builder->bvh = builder_of(*builder).build(mesh);
         builder->has_tree = true;
     });
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "clbvh/registry.hpp"
+#include "clbvh/catalog.hpp"
 #include "host/build/host_build.hpp"
 
 namespace clbvh {
@@ -9,11 +9,14 @@ namespace device {
 struct DeviceAlgorithm;
 }
 
+/// A host builder, with what concerns it of the options of a build.
+using HostAlgorithm = void (*)(host::HostBuild& build, const BuildOptions& options);
+
 /// A builder's public row and what is behind it: one of the two, as its kind says.
 struct BuilderRow {
     BuilderInfo info;
-    const device::DeviceAlgorithm* device_algorithm;  ///< Null in builds without OpenCL.
-    host::HostAlgorithm host_algorithm;
+    const device::DeviceAlgorithm* device_algorithm = nullptr;  ///< Null in builds without OpenCL.
+    HostAlgorithm host_algorithm = nullptr;
     bool clips_triangles = false;  ///< The host algorithm reads HostBuild::mesh.
 };
 

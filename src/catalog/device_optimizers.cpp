@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "catalog/optimizer_rows.hpp"
-#include "clbvh/optimizers.hpp"
+#include "clbvh/catalog.hpp"
 
 namespace clbvh {
 
@@ -18,7 +18,7 @@ std::vector<device::ChosenOptimizer> find_device_optimizers(std::string_view ids
 device::OptimizerChain make_optimizer_chain(device::Session& session, const BuildOptions& options) {
     if (options.optimizers.empty()) return {};
     DeviceOptimizerOptions device_options;
-    device_options.shape = options.shape;
+    device_options.shape = options.device.shape;
     device_options.passes = std::min(options.optimize_passes, device::kMostPasses);
     return {session, find_device_optimizers(options.optimizers), device_options};
 }

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "clbvh/core/build_options.hpp"
+#include "clbvh/options.hpp"
 #include "device/tree/optimize.hpp"
 
 namespace clbvh {

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "clbvh/core/build_options.hpp"
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/optimize/budget.hpp"
 

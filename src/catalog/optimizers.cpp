@@ -1,5 +1,3 @@
-#include "clbvh/optimizers.hpp"
-
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -28,49 +26,46 @@ struct OptimizerRow {
     const device::DeviceOptimizerRow* device_row = nullptr;  // on_device is whether there is one
 };
 
-template <typename Config>
-Config within(const OptimizeBudget& budget) {
+/// `Run`, which takes a Config, with that Config's defaults within the budget.
+template <typename Config, Bvh (*Run)(Bvh, const Config&, OptimizeStats*)>
+Bvh run_within(Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
     Config config;
     config.budget = budget;
-    return config;
+    return Run(std::move(tree), config, &stats);
 }
 
 // The table of optimisers. A new one is one row here.
 const OptimizerRow kRows[] = {
-    {{"reinsert", "Parallel reinsertion: subtrees move where they cost least, found by branch and bound",
-      "Meister, Bittner 2018"},
-     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
-         return reinsert(std::move(tree), within<ReinsertConfig>(budget), &stats);
-     },
-     ON_DEVICE(kReinsert)},
-    {{"reinsert-batches", "The same, one subtree after the other, the worst nodes first",
-      "Bittner, Hapala, Havran 2013"},
-     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
-         return reinsert_batches(std::move(tree), within<ReinsertBatchesConfig>(budget), &stats);
-     }},
-    {{"treelet", "Treelets of 7 leaves become the best trees over these leaves", "Karras, Aila 2013"},
-     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
-         return restructure_treelets(std::move(tree), within<TreeletConfig>(budget), &stats);
-     },
-     ON_DEVICE(kTreelet)},
-    {{"treelet-split", "The same, after the triangles that have most to gain were split: a quota of 30 % more",
-      "Karras, Aila 2013", true},
-     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
-         return restructure_treelets(std::move(tree), within<TreeletConfig>(budget), &stats);
-     }},
-    {{"rebuild", "Subtrees are built anew by sweep SAH where that is cheaper: for scanned surfaces, before reinsert",
-      "Yoon, Curtis, Manocha 2007"},
-     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
-         return rebuild(std::move(tree), within<RebuildConfig>(budget), &stats);
-     }},
-    {{"rotate", "Hill climbing by tree rotations", "Kensler 2008"},
-     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
-         return rotate(std::move(tree), within<RotateConfig>(budget), &stats);
-     }},
-    {{"anneal", "Simulated annealing by tree rotations, 1250 passes of them: the slowest by far", "Kensler 2008"},
-     [](Bvh tree, const OptimizeBudget& budget, OptimizeStats& stats) {
-         return anneal(std::move(tree), within<AnnealConfig>(budget), &stats);
-     }},
+    {.info = {.id = "reinsert",
+              .title = "Parallel reinsertion: subtrees move where they cost least, found by branch and bound",
+              .paper = "Meister, Bittner 2018"},
+     .run = run_within<ReinsertConfig, reinsert>,
+     .device_row = ON_DEVICE(kReinsert)},
+    {.info = {.id = "reinsert-batches",
+              .title = "The same, one subtree after the other, the worst nodes first",
+              .paper = "Bittner, Hapala, Havran 2013"},
+     .run = run_within<ReinsertBatchesConfig, reinsert_batches>},
+    {.info = {.id = "treelet",
+              .title = "Treelets of 7 leaves become the best trees over these leaves",
+              .paper = "Karras, Aila 2013"},
+     .run = run_within<TreeletConfig, restructure_treelets>,
+     .device_row = ON_DEVICE(kTreelet)},
+    {.info = {.id = "treelet-split",
+              .title = "The same, after the triangles that have most to gain were split: a quota of 30 % more",
+              .paper = "Karras, Aila 2013",
+              .splits_first = true},
+     .run = run_within<TreeletConfig, restructure_treelets>},
+    {.info = {.id = "rebuild",
+              .title =
+                  "Subtrees are built anew by sweep SAH where that is cheaper: for scanned surfaces, before reinsert",
+              .paper = "Yoon, Curtis, Manocha 2007"},
+     .run = run_within<RebuildConfig, rebuild>},
+    {.info = {.id = "rotate", .title = "Hill climbing by tree rotations", .paper = "Kensler 2008"},
+     .run = run_within<RotateConfig, rotate>},
+    {.info = {.id = "anneal",
+              .title = "Simulated annealing by tree rotations, 1250 passes of them: the slowest by far",
+              .paper = "Kensler 2008"},
+     .run = run_within<AnnealConfig, anneal>},
 };
 
 /// Splits a triangle of optimisers that split first (Karras, Aila 2013, section 5).

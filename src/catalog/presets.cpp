@@ -1,17 +1,30 @@
-#include "clbvh/presets.hpp"
-
 #include <algorithm>
 #include <string>
+
+#include "clbvh/catalog.hpp"
 
 namespace clbvh {
 namespace {
 
 // Measured beside each other, and beside what else there is: docs/presets.md.
 constexpr PresetInfo kPresets[] = {
-    {"fast", "The tree as plocpp leaves it: for what moves every frame", "plocpp", "", 0, 0},
-    {"balanced", "The first passes of reinsertion, where most is gained, and merged leaves", "hploc", "reinsert", 2, 8},
-    {"high", "Reinsertion until nothing is gained: for what is traced for seconds", "binned-sah", "reinsert", 0, 8},
-    {"highest", "Spatial splits, then reinsertion: for what is traced for minutes", "sbvh", "reinsert", 0, 8},
+    {.id = "fast", .title = "The tree as plocpp leaves it: for what moves every frame", .builder = "plocpp"},
+    {.id = "balanced",
+     .title = "The first passes of reinsertion, where most is gained, and merged leaves",
+     .builder = "hploc",
+     .optimizers = "reinsert",
+     .optimize_passes = 2,
+     .max_leaf_size = 8},
+    {.id = "high",
+     .title = "Reinsertion until nothing is gained: for what is traced for seconds",
+     .builder = "binned-sah",
+     .optimizers = "reinsert",
+     .max_leaf_size = 8},
+    {.id = "highest",
+     .title = "Spatial splits, then reinsertion: for what is traced for minutes",
+     .builder = "sbvh",
+     .optimizers = "reinsert",
+     .max_leaf_size = 8},
 };
 
 }  // namespace

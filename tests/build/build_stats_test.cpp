@@ -5,7 +5,7 @@
 
 #include "clbvh/core/validate.hpp"
 #include "clbvh/io/scene.hpp"
-#include "device/build/build_settings.hpp"
+#include "device/build/stage_bench.hpp"
 #include "support/builders.hpp"
 #include "support/meshes.hpp"
 #include "support/oracle/tree_oracle.hpp"
@@ -31,7 +31,7 @@ std::int64_t launches_beside_iterations(const BuildStats& stats, std::int64_t pe
 void expect_launches_per_iteration(std::string_view id, std::int64_t per_iteration) {
     for (const Shape shape : {Shape::group, Shape::lane}) {
         BuildOptions options = options_of(shape);
-        options.single_group_threshold = 500;
+        options.ploc.single_group_threshold = 500;
         Builder builder = make_builder(id, options);
         const BuildStats small = stats_of(builder, generate_scene("soup", 2000));
         const BuildStats large = stats_of(builder, generate_scene("terrain", 100000));
@@ -40,9 +40,7 @@ void expect_launches_per_iteration(std::string_view id, std::int64_t per_iterati
         CHECK(large.iterations > small.iterations);
         const std::int64_t beside_small = launches_beside_iterations(small, per_iteration);
         const std::int64_t beside_large = launches_beside_iterations(large, per_iteration);
-        const std::int64_t most_idle =
-            per_iteration *
-            (std::int64_t{device::resolve_settings(options, shared_context().session()).iterations_in_flight} - 1);
+        const std::int64_t most_idle = per_iteration * (std::int64_t{settings_of(options).iterations_in_flight} - 1);
         for (const std::int64_t beside : {beside_small, beside_large}) {
             CHECK(beside >= 0);
             CHECK(beside <= 4 + most_idle);
@@ -91,7 +89,7 @@ TEST_CASE("clusters per iteration are those of the definition") {
         for (const Shape shape : {Shape::group, Shape::lane}) {
             for (const std::string_view scene : {"soup", "particles", "line"}) {
                 BuildOptions options = options_of(shape, 8);
-                options.single_group_threshold = 300;
+                options.ploc.single_group_threshold = 300;
                 Builder builder = make_builder(id, options);
                 const Mesh mesh = generate_scene(scene, 10000);
                 const BuildStats stats = stats_of(builder, mesh);
@@ -104,7 +102,7 @@ TEST_CASE("clusters per iteration are those of the definition") {
                 auto expected = oracle_tree(id, morton_order(mesh, options), options).clusters_per_iteration;
                 if (id == "plocpp") {
                     std::erase_if(expected, [&](std::uint32_t count) { return count < counts.back(); });
-                    CHECK(counts.back() > options.single_group_threshold);
+                    CHECK(counts.back() > options.ploc.single_group_threshold);
                 }
                 CHECK(counts == expected);
             }
@@ -120,7 +118,7 @@ TEST_CASE("100,000 equal boxes take a logarithmic number of iterations, and make
     for (const Shape shape : {Shape::group, Shape::lane}) {
         for (const std::string_view id : device_builders()) {
             BuildOptions options = options_of(shape);
-            options.single_group_threshold = 2;
+            options.ploc.single_group_threshold = 2;
             Builder builder = make_builder(id, options);
             BuildStats stats;
             const Bvh bvh = builder.build(mesh, &stats);

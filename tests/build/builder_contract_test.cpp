@@ -114,12 +114,12 @@ TEST_CASE("unknown builders and options out of range are refused at construction
     expect_error(ErrorCode::invalid_input, {"plok", "ploc", "plocpp", "plocpp-two-level", "hploc", "lbvh"},
                  [] { (void)make_builder("plok"); });
     BuildOptions options;
-    options.search_radius = 33;
+    options.ploc.search_radius = 33;
     for (const std::string_view id : device_builders()) {
         expect_error(ErrorCode::invalid_input, {"search_radius is 33"}, [&] { (void)make_builder(id, options); });
     }
     options = options_of(Shape::group, 32);
-    options.work_group_size = 128;
+    options.ploc.work_group_size = 128;
     expect_error(ErrorCode::invalid_input, {"work_group_size 128", "search_radius"},
                  [&] { (void)make_builder("plocpp", options); });
 }
@@ -185,7 +185,7 @@ TEST_CASE("progress rises, and a build can be cancelled at every call") {
         for (const std::string_view id : device_builders()) {
             INFO(id << ", " << to_string(shape));
             BuildOptions options = options_of(shape);
-            options.single_group_threshold = 1000;
+            options.ploc.single_group_threshold = 1000;
             const Bvh expected = make_builder(id, options).build(mesh);
 
             Canceller canceller;
@@ -242,7 +242,7 @@ TEST_CASE("the builder says what it is") {
         CHECK(make_builder(id, options_of(Shape::lane)).shape() == Shape::lane);
         const Builder builder = make_builder(id);
         CHECK(builder.info().id == id);
-        CHECK(builder.options().search_radius == 16);
+        CHECK(builder.options().ploc.search_radius == 16);
         const Shape chosen = shared_context().prefers_lane_shape() ? Shape::lane : Shape::group;
         CHECK(builder.shape() == chosen);
         CHECK(builder.context().opencl_queue() == shared_context().opencl_queue());

@@ -35,7 +35,7 @@ const std::vector<BuildOptions>& all_options() {
     return options;
 }
 
-/// Calls `check` with each builder of the registry and each choice of stages around it.
+/// Calls `check` with each builder of the table and each choice of stages around it.
 template <typename Check>
 void for_each_builder(Check check) {
     for (const BuilderInfo& info : builders()) {

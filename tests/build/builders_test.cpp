@@ -1,4 +1,4 @@
-// Every builder of the registry gives the tree that its definition gives, node for node and byte for byte: in both
+// Every builder of the table gives the tree that its definition gives, node for node and byte for byte: in both
 // shapes, for every search radius, on every generated scene, at sizes around every chunk and work-group boundary.
 #include <catch2/catch.hpp>
 
@@ -25,10 +25,10 @@ std::vector<Builder> make_builders(const BuildOptions& options) {
 /// Small chunks and an early last kernel, so that small inputs fill many of them.
 BuildOptions fine_options(Shape shape, std::uint32_t radius) {
     BuildOptions options = options_of(shape, radius);
-    options.single_group_threshold = 20;
-    options.chunk_size = 64;
-    options.work_group_size = radius == 32 ? 256 : 128;
-    options.range_count = 5;
+    options.ploc.single_group_threshold = 20;
+    options.ploc.chunk_size = 64;
+    options.ploc.work_group_size = radius == 32 ? 256 : 128;
+    options.ploc.range_count = 5;
     return options;
 }
 
@@ -96,7 +96,7 @@ TEST_CASE("builders equal their oracles: the last radii before offsets need one 
 TEST_CASE("builders equal their oracles: extended Morton codes") {
     for (const Shape shape : {Shape::group, Shape::lane}) {
         BuildOptions options = options_of(shape);
-        options.morton_code = MortonCode::extended;
+        options.device.morton_code = MortonCode::extended;
         expect_oracle_trees(options);
     }
 }
@@ -105,8 +105,8 @@ TEST_CASE("builders equal their oracles: packed keys of few bits, and pairs") {
     for (const Shape shape : {Shape::group, Shape::lane}) {
         for (const std::uint32_t code_bits : {33u, 63u}) {
             BuildOptions options = options_of(shape);
-            options.sort_shape = shape;
-            options.code_bits = code_bits;
+            options.device.sort_shape = shape;
+            options.device.code_bits = code_bits;
             expect_oracle_trees(options);
         }
     }
@@ -123,8 +123,8 @@ TEST_CASE("builders equal their oracles: both searches with both encodings") {
                     continue;
                 }
                 BuildOptions options = fine_options(shape, 16);
-                options.neighbour_search = search;
-                options.neighbour_encoding = encoding;
+                options.ploc.neighbour_search = search;
+                options.ploc.neighbour_encoding = encoding;
                 expect_oracle_trees(options);
             }
         }
@@ -135,7 +135,7 @@ TEST_CASE("builders equal their oracles: other numbers of ranges") {
     for (const Shape shape : {Shape::group, Shape::lane}) {
         for (const std::uint32_t ranges : {1u, 2u, 3u, 64u, 511u, 512u}) {
             BuildOptions options = options_of(shape);
-            options.range_count = ranges;
+            options.ploc.range_count = ranges;
             Builder builder = make_builder("plocpp-two-level", options);
             for (const std::uint32_t size : {1u, 2u, 16u, 17u, 1000u, 20000u}) {
                 const Mesh mesh = generate_scene("city", size);
@@ -154,18 +154,18 @@ TEST_CASE("builders equal their oracles: other chunk and work-group sizes") {
     };
     for (const std::uint32_t chunk : {192u, 1024u, 4096u}) {
         BuildOptions options = options_of(Shape::lane);
-        options.chunk_size = chunk;
-        options.single_group_threshold = 100;
+        options.ploc.chunk_size = chunk;
+        options.ploc.single_group_threshold = 100;
         check(options, chunk);
     }
     for (const std::uint32_t group : {256u, 512u}) {
         BuildOptions options = options_of(Shape::group);
-        options.work_group_size = group;
-        options.single_group_threshold = 100;
+        options.ploc.work_group_size = group;
+        options.ploc.single_group_threshold = 100;
         check(options, group);
     }
     BuildOptions smallest = options_of(Shape::group, 4);
-    smallest.work_group_size = 32;
+    smallest.ploc.work_group_size = 32;
     check(smallest, 32);
 }
 
@@ -222,8 +222,8 @@ TEST_CASE("builders equal their oracles: some primitives inactive") {
 TEST_CASE("plocpp and plocpp-two-level of one range build ploc's tree with the exact encoding") {
     for (const Shape shape : {Shape::group, Shape::lane}) {
         BuildOptions options = options_of(shape);
-        options.neighbour_encoding = NeighbourEncoding::bits64;
-        options.range_count = 1;
+        options.ploc.neighbour_encoding = NeighbourEncoding::bits64;
+        options.ploc.range_count = 1;
         for (const SceneGeneratorInfo& scene : scene_generators()) {
             const Mesh mesh = generate_scene(scene.name, 20000);
             const Bvh expected = make_builder("ploc", options).build(mesh);

@@ -2,12 +2,12 @@
 // two share, without a wait.
 #include <catch2/catch.hpp>
 
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/validate.hpp"
 #include "clbvh/device/batch_builder.hpp"
 #include "clbvh/device/device_optimizer.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
-#include "clbvh/optimizers.hpp"
 #include "device/opencl/session.hpp"
 #include "support/builders.hpp"
 #include "support/device_tree.hpp"

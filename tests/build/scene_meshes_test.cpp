@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/validate.hpp"
 #include "clbvh/device/device_optimizer.hpp"
 #include "clbvh/device/device_tracer.hpp"
@@ -13,7 +14,6 @@
 #include "clbvh/metrics/epo.hpp"
 #include "clbvh/metrics/sah.hpp"
 #include "clbvh/optimize/reinsert.hpp"
-#include "clbvh/optimizers.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "support/builders.hpp"
 #include "support/oracle/ray_oracle.hpp"
@@ -40,7 +40,7 @@ std::optional<Mesh> load_scene_mesh(const std::string& name) {
 
 Builder make_large_builder(std::string_view id, Shape shape) {
     BuildOptions options = options_of(shape);
-    options.range_count = 64;
+    options.ploc.range_count = 64;
     return make_builder(id, options);
 }
 

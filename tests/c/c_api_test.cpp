@@ -1,7 +1,6 @@
 // The C interface: the same tree as the C++ one, every documented failure as a code and a message, and a compile as C.
 
 #include <catch2/catch.hpp>
-#include <cstddef>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -39,7 +38,7 @@ int stop_at_once(void* user, const char* stage, double fraction) {
 TEST_CASE("the C interface gives the C++ interface's tree") {
     const Mesh mesh = clbvh::generate_scene("clustered", 3000);
     CBuilder c;
-    REQUIRE(clbvh_create_builder("plocpp", nullptr, nullptr, &c.handle) == CLBVH_OK);
+    REQUIRE(clbvh_create_builder("plocpp", nullptr, &c.handle) == CLBVH_OK);
     REQUIRE(build(c.handle, mesh) == CLBVH_OK);
     const clbvh::Bvh expected = clbvh::build(mesh, "plocpp");
     std::uint64_t node_count = 0;
@@ -58,7 +57,7 @@ TEST_CASE("host builders work through the C interface without any device") {
         if (info.kind != clbvh::BuilderKind::host) continue;
         INFO(info.id);
         CBuilder c;
-        REQUIRE(clbvh_create_builder(std::string(info.id).c_str(), "no such device", nullptr, &c.handle) == CLBVH_OK);
+        REQUIRE(clbvh_create_builder(std::string(info.id).c_str(), "no such device", &c.handle) == CLBVH_OK);
         CHECK(clbvh_has_split_references(c.handle) == 0);
         REQUIRE(build(c.handle, mesh) == CLBVH_OK);
         const clbvh::Bvh expected = clbvh::build(mesh, info.id);
@@ -80,19 +79,12 @@ TEST_CASE("the C interface works from a C program") {
 
 TEST_CASE("the C interface reports failures as codes and messages") {
     CBuilder c;
-    CHECK(clbvh_create_builder("nonsense", nullptr, nullptr, &c.handle) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_create_builder("nonsense", nullptr, &c.handle) == CLBVH_INVALID_INPUT);
     CHECK(std::string(clbvh_last_error()).find("plocpp") != std::string::npos);
     CHECK(c.handle == nullptr);
-    CHECK(clbvh_create_builder(nullptr, nullptr, nullptr, &c.handle) == CLBVH_INVALID_INPUT);
-    CHECK(clbvh_create_builder("plocpp", nullptr, nullptr, nullptr) == CLBVH_INVALID_INPUT);
-    CHECK(clbvh_create_builder("plocpp", "no such device", nullptr, &c.handle) == CLBVH_NO_DEVICE);
-    clbvh_options options;
-    clbvh_default_options(&options, sizeof(options));
-    options.search_radius = 33;
-    CHECK(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
-    CHECK(std::string(clbvh_last_error()).find("search_radius") != std::string::npos);
-    options.size = 0;
-    CHECK(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_create_builder(nullptr, nullptr, &c.handle) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_create_builder("plocpp", nullptr, nullptr) == CLBVH_INVALID_INPUT);
+    CHECK(clbvh_create_builder("plocpp", "no such device", &c.handle) == CLBVH_NO_DEVICE);
     CHECK(clbvh_build(nullptr, nullptr, 0, nullptr, 0) == CLBVH_INVALID_INPUT);
     std::uint64_t count = 1;
     CHECK(clbvh_nodes(nullptr, &count) == nullptr);
@@ -102,7 +94,7 @@ TEST_CASE("the C interface reports failures as codes and messages") {
 
 TEST_CASE("a failed build through the C interface leaves no tree and a builder that works") {
     CBuilder c;
-    REQUIRE(clbvh_create_builder("lbvh", "", nullptr, &c.handle) == CLBVH_OK);
+    REQUIRE(clbvh_create_builder("lbvh", "", &c.handle) == CLBVH_OK);
     Mesh mesh = clbvh::generate_scene("soup", 100);
     REQUIRE(build(c.handle, mesh) == CLBVH_OK);
     const std::uint32_t good = mesh.triangles[7][1];
@@ -115,32 +107,16 @@ TEST_CASE("a failed build through the C interface leaves no tree and a builder t
     CHECK(build(c.handle, mesh) == CLBVH_OK);
 }
 
-TEST_CASE("options of another version's size are told apart") {
-    clbvh_options options;
-    clbvh_default_options(&options, sizeof(options));
-    options.size = offsetof(clbvh_options, inner_cost) - 1;
-    CBuilder c;
-    CHECK(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
-    struct {
-        clbvh_options known;
-        unsigned char newer[16];
-    } future = {};
-    std::memset(&future, 0x5a, sizeof(future));
-    clbvh_default_options(&future.known, sizeof(future));
-    CHECK(future.newer[0] == 0x5a);  // what this library does not know it leaves alone
-    CHECK(clbvh_create_builder("plocpp", nullptr, &future.known, &c.handle) == CLBVH_OK);
-}
-
 TEST_CASE("progress through the C interface names the stage and cancels") {
     std::string stage;
-    clbvh_options options;
-    clbvh_default_options(&options, sizeof(options));
-    options.progress = stop_at_once;
-    options.progress_user = &stage;
     CBuilder c;
-    REQUIRE(clbvh_create_builder("plocpp", nullptr, &options, &c.handle) == CLBVH_OK);
+    REQUIRE(clbvh_create_builder("plocpp", nullptr, &c.handle) == CLBVH_OK);
+    REQUIRE(clbvh_set_progress(c.handle, stop_at_once, &stage) == CLBVH_OK);
     CHECK(build(c.handle, clbvh::generate_scene("soup", 100)) == CLBVH_CANCELLED);
     CHECK(stage == "bounds");
+    REQUIRE(clbvh_set_progress(c.handle, nullptr, nullptr) == CLBVH_OK);
+    CHECK(build(c.handle, clbvh::generate_scene("soup", 100)) == CLBVH_OK);
+    CHECK(clbvh_set_progress(nullptr, stop_at_once, &stage) == CLBVH_INVALID_INPUT);
 }
 
 TEST_CASE("presets stand for builders in the C interface") {
@@ -148,7 +124,7 @@ TEST_CASE("presets stand for builders in the C interface") {
     for (const clbvh::PresetInfo& preset : clbvh::presets()) {
         INFO(preset.id);
         CBuilder c;
-        REQUIRE(clbvh_create_builder(std::string(preset.id).c_str(), nullptr, nullptr, &c.handle) == CLBVH_OK);
+        REQUIRE(clbvh_create_builder(std::string(preset.id).c_str(), nullptr, &c.handle) == CLBVH_OK);
         REQUIRE(build(c.handle, mesh) == CLBVH_OK);
         const clbvh::Bvh expected = clbvh::build(mesh, preset.id);
         std::uint64_t count = 0;
@@ -158,64 +134,90 @@ TEST_CASE("presets stand for builders in the C interface") {
     }
 }
 
-TEST_CASE("the C interface knows both presets of hploc") {
+TEST_CASE("the C interface has the table of options") {
+    REQUIRE(clbvh_option_count() == clbvh::options().size());
+    for (std::uint32_t i = 0; i < clbvh_option_count(); ++i) {
+        const clbvh::OptionInfo& expected = clbvh::options()[i];
+        const clbvh_option* const option = clbvh_option_info(i);
+        REQUIRE(option != nullptr);
+        INFO(option->name);
+        CHECK(option->name == expected.name);
+        CHECK(option->type == static_cast<clbvh_option_type>(expected.type));
+        CHECK(option->values == expected.values);
+        CHECK(option->default_value == expected.default_value);
+        CHECK(option->help == expected.help);
+        CHECK(option->readers == expected.readers);
+        CHECK(clbvh_option_info(i) == option);
+    }
+    CHECK(clbvh_option_info(clbvh_option_count()) == nullptr);
+    static_assert(CLBVH_OPTION_TEXT == static_cast<int>(clbvh::OptionType::text));
+}
+
+TEST_CASE("options are set by name through the C interface, and refused with their range") {
+    CBuilder c;
+    REQUIRE(clbvh_create_builder("median", nullptr, &c.handle) == CLBVH_OK);
+    for (const clbvh::OptionInfo& info : clbvh::options()) {
+        const std::string name(info.name);
+        INFO(name);
+        CHECK(clbvh_get_option(c.handle, name.c_str()) == info.default_value);
+        CHECK(clbvh_set_option(c.handle, name.c_str(), info.default_value.c_str()) == CLBVH_OK);
+        CHECK(clbvh_set_option(c.handle, name.c_str(), "no such value") == CLBVH_INVALID_INPUT);
+        if (info.type != clbvh::OptionType::text)
+            CHECK_THAT(clbvh_last_error(), Catch::Contains(name) && Catch::Contains(info.values));
+        CHECK(clbvh_get_option(c.handle, name.c_str()) == info.default_value);
+    }
+    CHECK(clbvh_set_option(c.handle, "optimizers", "reinzert") == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("reinzert"));
+    CHECK(clbvh_set_option(c.handle, "binned_sah.bin_count", "65") == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("bin_count is 65; it must be 2 to 64"));
+    CHECK(clbvh_set_option(c.handle, "bin_count", "8") == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("did you mean binned_sah.bin_count or sbvh.bin_count"));
+    CHECK(clbvh_get_option(c.handle, "bin_count") == nullptr);
+    for (const char* const text : {static_cast<const char*>(nullptr), "thread_count"}) {
+        CHECK(clbvh_set_option(c.handle, text, nullptr) == CLBVH_INVALID_INPUT);
+        CHECK(clbvh_set_option(c.handle, nullptr, text) == CLBVH_INVALID_INPUT);
+        CHECK(clbvh_set_option(nullptr, text, "1") == CLBVH_INVALID_INPUT);
+        CHECK(clbvh_get_option(nullptr, text) == nullptr);
+    }
+    CHECK(clbvh_get_option(c.handle, nullptr) == nullptr);
+}
+
+TEST_CASE("what is set through the C interface is what the next build follows") {
     const Mesh mesh = clbvh::generate_scene("soup", 2000);
-    clbvh_options options;
-    clbvh_default_options(&options, sizeof(options));
-    for (const std::uint32_t fast : {0u, 1u}) {
-        options.hploc_quality = fast;
-        CBuilder c;
-        REQUIRE(clbvh_create_builder("hploc", nullptr, &options, &c.handle) == CLBVH_OK);
+    CBuilder c;
+    REQUIRE(clbvh_create_builder("hploc", nullptr, &c.handle) == CLBVH_OK);
+    clbvh::BuildOptions same;
+    const auto expect_same = [&] {
         REQUIRE(build(c.handle, mesh) == CLBVH_OK);
-        clbvh::BuildOptions same;
-        same.hploc_quality = fast != 0 ? clbvh::HplocQuality::fast : clbvh::HplocQuality::balanced;
         const clbvh::Bvh expected = clbvh::build(mesh, "hploc", same);
         std::uint64_t count = 0;
         const clbvh_node* nodes = clbvh_nodes(c.handle, &count);
         REQUIRE(count == expected.nodes.size());
         CHECK(std::memcmp(nodes, expected.nodes.data(), count * sizeof(clbvh_node)) == 0);
-    }
-    clbvh_default_options(&options, sizeof(options));
-    options.code_bits = 40;
-    CBuilder unknown_bits;
-    CHECK(clbvh_create_builder("hploc", nullptr, &options, &unknown_bits.handle) == CLBVH_INVALID_INPUT);
-    CHECK_THAT(clbvh_last_error(), Catch::Contains("code_bits"));
-    clbvh_default_options(&options, sizeof(options));
-    options.hploc_quality = 2;
-    CBuilder c;
-    CHECK(clbvh_create_builder("hploc", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
-    CHECK_THAT(clbvh_last_error(), Catch::Contains("hploc_quality"));
+    };
+    expect_same();
+    REQUIRE(clbvh_set_option(c.handle, "device.code_bits", "33") == CLBVH_OK);
+    REQUIRE(clbvh_set_option(c.handle, "hploc.small_range", "256") == CLBVH_OK);
+    same.device.code_bits = 33;
+    same.hploc.small_range = 256;
+    expect_same();
+    CHECK(std::string(clbvh_get_option(c.handle, "hploc.small_range")) == "256");
+    REQUIRE(clbvh_set_option(c.handle, "max_leaf_size", "4") == CLBVH_OK);
+    same.max_leaf_size = 4;
+    expect_same();
 }
 
-TEST_CASE("host builders take their options through the C interface, and callers may know fewer of them") {
-    const Mesh mesh = clbvh::generate_scene("hair", 2000);
-    const auto build_with = [&](clbvh_options options) {
-        clbvh_builder* builder = nullptr;
-        REQUIRE(clbvh_create_builder("median", nullptr, &options, &builder) == CLBVH_OK);
-        REQUIRE(clbvh_build(builder, &mesh.vertices[0].x, mesh.vertices.size(), mesh.triangles[0].data(),
-                            mesh.triangles.size()) == CLBVH_OK);
-        std::uint64_t nodes = 0;
-        clbvh_nodes(builder, &nodes);
-        const int split = clbvh_has_split_references(builder);
-        clbvh_destroy_builder(builder);
-        return std::pair(nodes, split);
-    };
-    clbvh_options options;
-    clbvh_default_options(&options, sizeof options);
-    const auto plain = build_with(options);
-    CHECK(plain.second == 0);
-    options.max_leaf_size = 1;
-    CHECK(build_with(options) == std::pair<std::uint64_t, int>(4000, 0));
-    options.presplit_level = 8;
-    CHECK(build_with(options).second == 1);
-    options.size = offsetof(clbvh_options, inner_cost);  // all that a caller of the first layout knows
-    CHECK(build_with(options) == plain);
-
-    options.size = sizeof options;
-    options.bin_count = 65;
-    clbvh_builder* builder = nullptr;
-    CHECK(clbvh_create_builder("binned-sah", nullptr, &options, &builder) == CLBVH_INVALID_INPUT);
-    CHECK_THAT(clbvh_last_error(), Catch::Contains("bin_count is 65"));
+TEST_CASE("options that contradict each other make a build through the C interface fail, until they do not") {
+    const Mesh mesh = clbvh::generate_scene("hair", 500);
+    CBuilder c;
+    REQUIRE(clbvh_create_builder("median", nullptr, &c.handle) == CLBVH_OK);
+    REQUIRE(clbvh_set_option(c.handle, "presplit_level", "8") == CLBVH_OK);
+    REQUIRE(clbvh_set_option(c.handle, "split_quota", "0.3") == CLBVH_OK);
+    CHECK(build(c.handle, mesh) == CLBVH_INVALID_INPUT);
+    CHECK_THAT(clbvh_last_error(), Catch::Contains("split_quota"));
+    REQUIRE(clbvh_set_option(c.handle, "split_quota", "0") == CLBVH_OK);
+    CHECK(build(c.handle, mesh) == CLBVH_OK);
+    CHECK(clbvh_has_split_references(c.handle) == 1);
 }
 
 namespace {
@@ -247,17 +249,11 @@ int count_and_stop(void* user, const char*, double) {
 TEST_CASE("builds through the C interface run optimizers and split by a quota") {
     const Mesh mesh = clbvh::generate_scene("hair", 3000);
     for (const char* const ids : {"reinsert", "treelet-split"}) {
-        clbvh_options options;
-        clbvh_default_options(&options, sizeof options);
-        CHECK(options.optimizers == nullptr);
-        CHECK(options.split_quota == 0.0f);
-        std::string copied(ids);
-        options.optimizers = copied.c_str();
-        options.split_quota = 0.2f;
-        options.optimize_passes = 1;
         CBuilder c;
-        REQUIRE(clbvh_create_builder("binned-sah", nullptr, &options, &c.handle) == CLBVH_OK);
-        copied.assign(copied.size(), '?');
+        REQUIRE(clbvh_create_builder("binned-sah", nullptr, &c.handle) == CLBVH_OK);
+        REQUIRE(clbvh_set_option(c.handle, "optimizers", ids) == CLBVH_OK);
+        REQUIRE(clbvh_set_option(c.handle, "split_quota", "0.2") == CLBVH_OK);
+        REQUIRE(clbvh_set_option(c.handle, "optimize_passes", "1") == CLBVH_OK);
         REQUIRE(build(c.handle, mesh) == CLBVH_OK);
         clbvh::BuildOptions same;
         same.optimizers = ids;
@@ -267,18 +263,12 @@ TEST_CASE("builds through the C interface run optimizers and split by a quota") 
         CHECK(tree_of(c.handle, 3000).nodes == expected.nodes);
         CHECK(clbvh_has_split_references(c.handle) == 1);
     }
-    clbvh_options options;
-    clbvh_default_options(&options, sizeof options);
-    options.optimizers = "reinzert";
-    CBuilder c;
-    CHECK(clbvh_create_builder("lbvh", nullptr, &options, &c.handle) == CLBVH_INVALID_INPUT);
-    CHECK_THAT(clbvh_last_error(), Catch::Contains("reinzert"));
 }
 
 TEST_CASE("a finished tree is improved through the C interface, within a budget") {
     const Mesh mesh = clbvh::generate_scene("city", 5000);
     CBuilder c;
-    REQUIRE(clbvh_create_builder("median", nullptr, nullptr, &c.handle) == CLBVH_OK);
+    REQUIRE(clbvh_create_builder("median", nullptr, &c.handle) == CLBVH_OK);
     CHECK(clbvh_optimize(c.handle, "reinsert", nullptr, nullptr) == CLBVH_INVALID_INPUT);
     CHECK_THAT(clbvh_last_error(), Catch::Contains("clbvh_build"));
     REQUIRE(build(c.handle, mesh) == CLBVH_OK);
@@ -343,7 +333,7 @@ TEST_CASE("a finished tree is improved through the C interface, within a budget"
 TEST_CASE("a tree follows a mesh that moves through the C interface") {
     Mesh mesh = clbvh::generate_scene("clustered", 3000);
     CBuilder c;
-    REQUIRE(clbvh_create_builder("sweep-sah", nullptr, nullptr, &c.handle) == CLBVH_OK);
+    REQUIRE(clbvh_create_builder("sweep-sah", nullptr, &c.handle) == CLBVH_OK);
     CHECK(refit(c.handle, mesh, nullptr, nullptr) == CLBVH_INVALID_INPUT);
     REQUIRE(build(c.handle, mesh) == CLBVH_OK);
     double last = clbvh::sah_cost(tree_of(c.handle, 3000));
@@ -367,14 +357,4 @@ TEST_CASE("a tree follows a mesh that moves through the C interface") {
     CHECK(clbvh_refit(c.handle, nullptr, 3, nullptr, 0, nullptr, nullptr) == CLBVH_INVALID_INPUT);
     CHECK(tree_of(c.handle, 3000).nodes == tree.nodes);
     CHECK(refit(c.handle, mesh, nullptr, nullptr) == CLBVH_OK);
-}
-
-TEST_CASE("callers of older layouts of the C interface keep their defaults") {
-    clbvh_options options;
-    clbvh_default_options(&options, sizeof options);
-    options.optimizers = "unknown";
-    options.split_quota = 9.0f;
-    options.size = offsetof(clbvh_options, optimizers);
-    CBuilder c;
-    CHECK(clbvh_create_builder("median", nullptr, &options, &c.handle) == CLBVH_OK);
 }

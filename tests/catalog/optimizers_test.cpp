@@ -7,11 +7,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/validate.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
 #include "clbvh/optimize/rotate.hpp"
-#include "clbvh/optimizers.hpp"
 #include "support/box_sets.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"

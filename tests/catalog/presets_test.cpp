@@ -1,5 +1,5 @@
 // A preset is its builder with its options, wherever an id may stand, and each costs rays less than the one before.
-#include "clbvh/presets.hpp"
+#include "clbvh/catalog.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -7,7 +7,6 @@
 #include "clbvh/device/device_builder.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
-#include "clbvh/optimizers.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
 

@@ -40,16 +40,16 @@ Builder make_builder(std::string_view id, const BuildOptions& options) {
 
 BuildOptions options_of(Shape shape, std::uint32_t radius) {
     BuildOptions options;
-    options.shape = shape;
-    options.search_radius = radius;
-    options.range_count = 8;
+    options.device.shape = shape;
+    options.ploc.search_radius = radius;
+    options.ploc.range_count = 8;
     return options;
 }
 
 bool expect_oracle_tree(const Builder& builder, const Bvh& bvh, const Mesh& mesh, const std::string& where) {
     const BuildOptions& options = builder.options();
-    INFO(builder.info().id << ", " << to_string(options.shape) << ", radius " << options.search_radius << ", code_bits "
-                           << options.code_bits << ", " << where);
+    INFO(builder.info().id << ", " << to_string(options.device.shape) << ", radius " << options.ploc.search_radius
+                           << ", code_bits " << options.device.code_bits << ", " << where);
     const MortonOrder order = morton_order(mesh, options);
     const Bvh expected = oracle_tree(builder.info().id, order, options).bvh;
     const std::string difference = compare_trees(expected, bvh);

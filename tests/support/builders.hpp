@@ -12,10 +12,10 @@ namespace clbvh::test {
 /// The context that all tests of one process share, so that each program is built once.
 [[nodiscard]] const Context& shared_context();
 
-/// Ids of the registry's device builders.
+/// Ids of the table's device builders.
 [[nodiscard]] std::vector<std::string_view> device_builders();
 
-/// Ids of the registry's host builders.
+/// Ids of the table's host builders.
 [[nodiscard]] std::vector<std::string_view> host_builders();
 
 /// A builder on the shared context.

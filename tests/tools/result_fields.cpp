@@ -1,6 +1,7 @@
 #include "tools/result_fields.hpp"
 
 #include <catch2/catch.hpp>
+#include <clbvh/options.hpp>
 
 namespace clbvh::test {
 namespace {
@@ -126,20 +127,15 @@ void check_result(const ordered_json& result, const Names& extra) {
 
 void check_options(const ordered_json& options) {
     INFO(options.dump(2));
-    const Names reals{"inner_cost", "primitive_cost", "split_alpha", "reference_budget", "split_quota"};
-    const Names choices{"shape",         "sort_shape",   "morton_code", "neighbour_encoding", "neighbour_search",
-                        "hploc_quality", "hploc_search", "merge_pairs", "optimizers",         "optimize_on"};
-    const Names counts{"max_leaf_size", "bin_count",   "presplit_level",  "thread_count",           "search_radius",
-                       "code_bits",     "chunk_size",  "range_count",     "single_group_threshold", "cluster_limit",
-                       "small_range",   "small_limit", "work_group_size", "optimize_passes"};
-    for (const std::string& name : reals)
-        CHECK(options.at(name).is_number_float());
-    for (const std::string& name : choices)
-        CHECK(options.at(name).is_string());
-    for (const std::string& name : counts)
-        CHECK(options.at(name).is_number_unsigned());
-    CHECK(options.at("bin_longest_axis_only").is_boolean());
-    CHECK(options.size() == reals.size() + choices.size() + counts.size() + 1);
+    REQUIRE(options.size() == clbvh::options().size());
+    for (const OptionInfo& option : clbvh::options()) {
+        INFO(option.name);
+        const ordered_json& value = options.at(std::string(option.name));
+        CHECK(value.is_number_unsigned() == (option.type == OptionType::whole));
+        CHECK(value.is_number_float() == (option.type == OptionType::real));
+        CHECK(value.is_boolean() == (option.type == OptionType::boolean));
+        CHECK(value.is_string() == (option.type == OptionType::choice || option.type == OptionType::text));
+    }
 }
 
 void check_device(const ordered_json& device) {

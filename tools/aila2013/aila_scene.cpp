@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <clbvh/registry.hpp>
+#include <clbvh/catalog.hpp>
 #include <span>
 #include <utility>
 

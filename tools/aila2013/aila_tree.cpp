@@ -3,8 +3,8 @@
 #include <tbb/task_arena.h>
 
 #include <clbvh/builder.hpp>
+#include <clbvh/catalog.hpp>
 #include <clbvh/host/collapse.hpp>
-#include <clbvh/optimizers.hpp>
 #include <utility>
 
 #include "cli/interrupt.hpp"

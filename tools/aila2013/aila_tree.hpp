@@ -1,10 +1,10 @@
 #pragma once
 
-#include <clbvh/core/build_options.hpp>
 #include <clbvh/core/bvh.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/device/context.hpp>
 #include <clbvh/optimize/rotate.hpp>
+#include <clbvh/options.hpp>
 #include <optional>
 #include <string>
 

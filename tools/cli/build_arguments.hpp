@@ -1,8 +1,9 @@
 #pragma once
 
-#include <clbvh/core/build_options.hpp>
-#include <functional>
+#include <clbvh/options.hpp>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/cli_fwd.hpp"
@@ -15,28 +16,22 @@ public:
     std::string device;  ///< A selector as pick_device() takes it.
     BuildOptions options;
 
-    /// Adds the options to a command; parsing fills this object.
+    /// Adds the table of options to a command, with what `options` holds as defaults; parsing fills this object.
     void add_options(CLI::App& command);
-    /// Throws what check_options throws, with the name of the command line's option in front.
+    /// Throws what check_options and set_option throw, with the name of the command line's option in front.
     void check() const;
+    /// Tells standard error of each option that was given and that none of these builders reads.
+    void note_unread(std::span<const std::string> builders) const;
 
 private:
-    /// An option that check_options may refuse, and how to copy its value alone.
-    struct Checked {
-        std::string name;
-        std::function<void(const BuildOptions& from, BuildOptions& to)> copy;
-    };
+    /// Options with one flag, which sets all of them.
+    using Rows = std::vector<const OptionInfo*>;
 
-    void add_device_options(CLI::App& command);
-    void add_device_tuning(CLI::App& command);
-    void add_hploc_options(CLI::App& command);
-    void add_tree_options(CLI::App& command);
-    void add_host_options(CLI::App& command);
-    /// An option with a number; `field` is a member of BuildOptions.
-    template <typename Field>
-    CLI::Option* add_number(CLI::App& command, const std::string& name, Field field, const std::string& help);
+    void add_rows(CLI::App& command, const Rows& rows);
+    void set(const Rows& rows, const std::string& value);
 
-    std::vector<Checked> checked_;
+    std::vector<Rows> given_;
+    std::string refusal_;  ///< Of the first value that is out of its range; empty where none is.
 };
 
 }  // namespace clbvh::tool

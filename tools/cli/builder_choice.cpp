@@ -1,8 +1,8 @@
 #include "cli/builder_choice.hpp"
 
 #include <algorithm>
+#include <clbvh/catalog.hpp>
 #include <clbvh/core/error.hpp>
-#include <clbvh/presets.hpp>
 #include <string>
 
 namespace clbvh::tool {

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <clbvh/catalog.hpp>
 #include <clbvh/device/context.hpp>
-#include <clbvh/registry.hpp>
 #include <optional>
 #include <string>
 #include <string_view>

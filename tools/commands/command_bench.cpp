@@ -44,7 +44,8 @@ const Sweep* sweep_of(const BenchArguments& arguments) {
 
 BuilderChoice choose_for_bench(const BenchArguments& arguments) {
     BuilderChoice choice = choose_builders(arguments.builders, arguments.build.device, kBuildersWayOut);
-    if (const Sweep* const sweep = sweep_of(arguments)) keep_readers(*sweep, arguments.build.options, choice);
+    if (const Sweep* const sweep = sweep_of(arguments)) keep_readers(*sweep, choice);
+    if (!arguments.peers) arguments.build.note_unread(choice.ids);  // peers read some that no builder here may
     return choice;
 }
 

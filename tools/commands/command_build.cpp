@@ -71,8 +71,9 @@ Bvh build_twice(const BuildCommandArguments& arguments, const std::optional<Cont
 
 int build(const BuildCommandArguments& arguments) {
     check_arguments(arguments);
-    const std::optional<Context> context =
-        choose_builders(arguments.builder, arguments.build.device, kOneBuilderWayOut).context;
+    const BuilderChoice choice = choose_builders(arguments.builder, arguments.build.device, kOneBuilderWayOut);
+    const std::optional<Context>& context = choice.context;
+    arguments.build.note_unread(choice.ids);
     const Stopwatch load;
     const Mesh mesh = arguments.loading.load(arguments.scene);
     const double load_ms = load.milliseconds();

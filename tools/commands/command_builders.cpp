@@ -1,11 +1,9 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <clbvh/catalog.hpp>
 #include <clbvh/core/error.hpp>
 #include <clbvh/device/device.hpp>
-#include <clbvh/optimizers.hpp>
-#include <clbvh/presets.hpp>
-#include <clbvh/registry.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -34,9 +32,13 @@ std::string missing_device() {
     }
 }
 
-std::string radius_text(const BuilderInfo& builder) {
-    if (!builder.uses_search_radius) return "no";
-    return reads_search_radius(builder, {}) ? "yes" : "in a window";
+/// The options that this builder reads and some others do not.
+std::vector<std::string_view> own_options(const BuilderInfo& builder) {
+    std::vector<std::string_view> names;
+    for (const OptionInfo& option : options()) {
+        if (option.readers != "all" && reads_option(builder.id, option.name)) names.push_back(option.name);
+    }
+    return names;
 }
 
 bool runs_on_host(std::string_view id) {
@@ -60,17 +62,16 @@ struct Listing {
 
 /// `missing` is missing_device()'s.
 Listing list_builders(const std::string& missing) {
-    Listing listing({"builder", "runs on", "available", "radius", "paper", "title"});
+    Listing listing({"builder", "runs on", "available", "paper", "title"});
     for (const BuilderInfo& builder : builders()) {
         const std::string_view reason = builder.kind == BuilderKind::device ? missing : std::string_view{};
         listing.table.add_row({std::string(builder.id), std::string(to_string(builder.kind)),
-                               reason.empty() ? "yes" : "no", radius_text(builder), std::string(builder.paper),
-                               std::string(builder.title)});
+                               reason.empty() ? "yes" : "no", std::string(builder.paper), std::string(builder.title)});
         listing.entries.push_back({{"id", builder.id},
                                    {"title", builder.title},
                                    {"paper", builder.paper},
                                    {"kind", to_string(builder.kind)},
-                                   {"uses_search_radius", builder.uses_search_radius},
+                                   {"options", own_options(builder)},
                                    {"available", reason.empty()}});
         if (!reason.empty()) listing.entries.back()["reason"] = reason;
     }

@@ -22,6 +22,7 @@ struct MetricsArguments : RayCommandArguments {
 
 BuilderChoice choose_for_metrics(const MetricsArguments& arguments) {
     BuilderChoice choice = choose_builders(arguments.builders, arguments.build.device, kBuildersWayOut);
+    arguments.build.note_unread(choice.ids);
     choice.context = arguments.tracing.context(std::move(choice.context), arguments.build.device);
     return choice;
 }

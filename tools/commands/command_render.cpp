@@ -72,6 +72,7 @@ void check_arguments(const RenderArguments& arguments) {
 /// Those of --builder, and where they run.
 BuilderChoice choose(const RenderArguments& arguments) {
     BuilderChoice choice = choose_builders(arguments.builders, arguments.build.device, kOneBuilderWayOut);
+    arguments.build.note_unread(choice.ids);
     choice.context = arguments.tracing.context(std::move(choice.context), arguments.build.device);
     if (choice.ids.size() > 1 && !shows_heat(arguments.mode)) {
         throw Error(ErrorCode::invalid_input,

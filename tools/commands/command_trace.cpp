@@ -23,6 +23,7 @@ struct TraceArguments : RayCommandArguments {
 /// The builders that were asked for, and the one that all are compared with.
 BuilderChoice choose_for_trace(const TraceArguments& arguments) {
     BuilderChoice choice = choose_builders(arguments.builders, arguments.build.device, kBuildersWayOut);
+    arguments.build.note_unread(choice.ids);
     choice.context = arguments.tracing.context(std::move(choice.context), arguments.build.device);
     if (std::ranges::find(choice.ids, kTraceBaseline) == choice.ids.end()) choice.ids.emplace_back(kTraceBaseline);
     return choice;

@@ -38,8 +38,8 @@ int usage_error(std::string_view message) {
 }
 
 std::vector<Command> add_commands(CLI::App& app) {
-    std::vector<Command> commands{add_devices_command(app), add_builders_command(app), add_scenes_command(app),
-                                  add_build_command(app), add_bench_command(app)};
+    std::vector<Command> commands{add_devices_command(app), add_builders_command(app), add_options_command(app),
+                                  add_scenes_command(app),  add_build_command(app),    add_bench_command(app)};
 #if !defined(CLBVH_NO_OPENCL)
     commands.push_back(add_tune_command(app));  // which is about devices alone
 #endif

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <clbvh/core/build_options.hpp>
 #include <clbvh/core/mesh.hpp>
+#include <clbvh/options.hpp>
 #include <memory>
 
 #include "measure/contestant.hpp"

@@ -112,7 +112,7 @@ private:
     [[nodiscard]] bool splits() const { return variant_.quality == RTC_BUILD_QUALITY_HIGH; }
 
     [[nodiscard]] std::size_t capacity() const {
-        const double factor = splits() ? double{options_.reference_budget} : 1.0;
+        const double factor = splits() ? double{options_.sbvh.reference_budget} : 1.0;
         return static_cast<std::size_t>(factor * static_cast<double>(count_));
     }
 

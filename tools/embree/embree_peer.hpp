@@ -1,7 +1,7 @@
 #pragma once
 
-#include <clbvh/core/build_options.hpp>
 #include <clbvh/core/mesh.hpp>
+#include <clbvh/options.hpp>
 #include <memory>
 #include <vector>
 
@@ -18,9 +18,9 @@ void check_embree_peers(const BuildOptions& options);
 /// does.
 ///
 /// They obey max_leaf_size (8 where not given; embree-morton knows no SAH and fills its leaves where it is given, else
-/// makes leaves of one), the two costs, reference_budget (the capacity of embree-sbvh's array, as a multiple of the
-/// primitives) and thread_count. Timed is what a builder of clbvh does too: from the mesh over the primitives' boxes to
-/// a finished tree, in memory that is kept between runs. Reading the tree back is not. Behind them stands what
+/// makes leaves of one), the two costs, sbvh.reference_budget (the capacity of embree-sbvh's array, as a multiple of
+/// the primitives) and thread_count. Timed is what a builder of clbvh does too: from the mesh over the primitives'
+/// boxes to a finished tree, in memory that is kept between runs. Reading the tree back is not. Behind them stands what
 /// make_embree_commit makes.
 [[nodiscard]] std::vector<std::unique_ptr<TreeContestant>> make_embree_peers(const BuildOptions& options,
                                                                              const Mesh& mesh);

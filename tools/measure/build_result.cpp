@@ -76,7 +76,7 @@ void describe_builder(BuildResult& result, const Builder& builder) {
     const BuildOptions& options = builder.options();
     if (result.kind == BuilderKind::host) result.threads = host_threads(options);
     result.shape = builder.shape();
-    result.radius = reads_search_radius(builder.info(), options) ? options.search_radius : 0;
+    result.radius = reads_option(builder.id(), "ploc.search_radius") ? options.ploc.search_radius : 0;
     result.options = {options.optimizers, options.optimize_passes, options.max_leaf_size, options.split_quota};
 }
 

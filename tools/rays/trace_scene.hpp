@@ -1,9 +1,9 @@
 #pragma once
 
-#include <clbvh/core/build_options.hpp>
 #include <clbvh/core/bvh.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/device/context.hpp>
+#include <clbvh/options.hpp>
 #include <clbvh/trace/tracer.hpp>
 #include <cstdint>
 #include <functional>

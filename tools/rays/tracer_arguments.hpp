@@ -1,10 +1,10 @@
 #pragma once
 
-#include <clbvh/core/build_options.hpp>
 #include <clbvh/core/bvh.hpp>
 #include <clbvh/core/mesh.hpp>
 #include <clbvh/core/ray.hpp>
 #include <clbvh/device/context.hpp>
+#include <clbvh/options.hpp>
 #include <cstdint>
 #include <memory>
 #include <optional>

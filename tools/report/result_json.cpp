@@ -102,39 +102,22 @@ ordered_json result_json(const BuildResult& result) {
     return json;
 }
 
+ordered_json option_json(const OptionInfo& option, const std::string& value) {
+    switch (option.type) {
+        case OptionType::whole: return std::stoul(value);
+        case OptionType::real: return std::stod(value);
+        case OptionType::boolean: return value == "on";
+        case OptionType::choice:
+        case OptionType::text: break;
+    }
+    return value;
+}
+
 ordered_json options_json(const BuildOptions& options) {
-    return {
-        {"inner_cost", shortest(options.inner_cost)},
-        {"primitive_cost", shortest(options.primitive_cost)},
-        {"max_leaf_size", options.max_leaf_size},
-        {"bin_count", options.bin_count},
-        {"bin_longest_axis_only", options.bin_longest_axis_only},
-        {"split_alpha", shortest(options.split_alpha)},
-        {"reference_budget", shortest(options.reference_budget)},
-        {"presplit_level", options.presplit_level},
-        {"split_quota", shortest(options.split_quota)},
-        {"optimizers", options.optimizers},
-        {"optimize_passes", options.optimize_passes},
-        {"optimize_on", to_string(options.optimize_on)},
-        {"thread_count", options.thread_count},
-        {"search_radius", options.search_radius},
-        {"shape", to_string(options.shape)},
-        {"sort_shape", to_string(options.sort_shape)},
-        {"morton_code", to_string(options.morton_code)},
-        {"code_bits", options.code_bits},
-        {"neighbour_encoding", to_string(options.neighbour_encoding)},
-        {"neighbour_search", to_string(options.neighbour_search)},
-        {"single_group_threshold", options.single_group_threshold},
-        {"chunk_size", options.chunk_size},
-        {"work_group_size", options.work_group_size},
-        {"range_count", options.range_count},
-        {"hploc_quality", to_string(options.hploc_quality)},
-        {"hploc_search", to_string(options.hploc_search)},
-        {"cluster_limit", options.cluster_limit},
-        {"small_range", options.small_range},
-        {"small_limit", options.small_limit},
-        {"merge_pairs", to_string(options.merge_pairs)},
-    };
+    ordered_json json;
+    for (const OptionInfo& option : clbvh::options())
+        json[std::string(option.name)] = option_json(option, get_option(options, option.name));
+    return json;
 }
 
 /// The file of the profile in use, else null.

@@ -15,8 +15,8 @@ namespace clbvh::tool {
 [[nodiscard]] nlohmann::ordered_json sample_json(const Sample& sample);
 
 /// The document of a command that builds: the machine, the device, null where none was opened, the file of its profile,
-/// null where none is used, how scenes were turned, the options under the names of BuildOptions, and the array
-/// `results`.
+/// null where none is used, how scenes were turned, the options under their names in the table of options, and the
+/// array `results`.
 [[nodiscard]] nlohmann::ordered_json document_json(const std::optional<Context>& context, const SceneArguments& loading,
                                                    const BuildOptions& options, nlohmann::ordered_json results);
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <clbvh/catalog.hpp>
 #include <clbvh/eval/camera.hpp>
-#include <clbvh/registry.hpp>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <span>

@@ -17,34 +17,22 @@ constexpr std::string_view kGenerated = "gen:";
 
 const std::vector<Sweep>& sweeps() {
     static const std::vector<Sweep> list{
-        {"radius",
-         "--radius",
-         reads_search_radius,
-         [](BuildOptions& options, std::uint32_t value) { options.search_radius = value; },
-         {1, 2, 4, 8, 12, 16, 24, 32}},
-        {"size",
-         "",
-         [](const BuilderInfo&, const BuildOptions&) { return true; },
-         [](BuildOptions&, std::uint32_t) {},
-         {}},
-        {"chunk",
-         "--chunk",
-         [](const BuilderInfo& builder, const BuildOptions&) { return builder.uses_chunk_size; },
-         [](BuildOptions& options, std::uint32_t value) { options.chunk_size = value; },
-         {64, 128, 256, 512, 1024, 2048, 4096}},
-        {"threshold",
-         "--threshold",
-         [](const BuilderInfo& builder, const BuildOptions&) { return builder.uses_single_group_threshold; },
-         [](BuildOptions& options, std::uint32_t value) { options.single_group_threshold = value; },
-         {256, 512, 1024, 2048, 4096, 8192, 16384, 32768, 65536}},
+        {"radius", "ploc.search_radius", {1, 2, 4, 8, 12, 16, 24, 32}},
+        {"size", "", {}},
+        {"chunk", "ploc.chunk_size", {64, 128, 256, 512, 1024, 2048, 4096}},
+        {"threshold", "ploc.single_group_threshold", {256, 512, 1024, 2048, 4096, 8192, 16384, 32768, 65536}},
     };
     return list;
 }
 
-std::string readers_text(const Sweep& sweep, const BuildOptions& options) {
+bool is_read(const Sweep& sweep, std::string_view builder) {
+    return sweep.option.empty() || reads_option(builder, sweep.option);
+}
+
+std::string readers_text(const Sweep& sweep) {
     std::vector<std::string_view> ids;
     for (const BuilderInfo& builder : builders()) {
-        if (sweep.reads(builder, options)) ids.push_back(builder.id);
+        if (is_read(sweep, builder.id)) ids.push_back(builder.id);
     }
     return fmt::format("{}", fmt::join(ids, ", "));
 }
@@ -80,18 +68,21 @@ const Sweep& find_sweep(std::string_view name) {
     return *std::ranges::find(sweeps(), name, &Sweep::what);
 }
 
-void keep_readers(const Sweep& sweep, const BuildOptions& options, BuilderChoice& choice) {
+void set_swept(const Sweep& sweep, BuildOptions& options, std::uint32_t value) {
+    if (!sweep.option.empty()) set_option(options, sweep.option, std::to_string(value));
+}
+
+void keep_readers(const Sweep& sweep, BuilderChoice& choice) {
     const auto fail = [&](const std::string& why) {
-        throw Error(ErrorCode::invalid_input,
-                    fmt::format("--sweep {}: {}; those that do: {}", sweep.what, why, readers_text(sweep, options)));
+        throw Error(ErrorCode::invalid_input, fmt::format("--sweep {}: {} {}; those that do: {}", sweep.what, why,
+                                                          find_option(sweep.option).flag, readers_text(sweep)));
     };
     for (const std::string& id : choice.named_ids) {
-        if (!sweep.reads(find_builder(id), options)) fail(fmt::format("{} does not read {}", id, sweep.option));
+        if (!is_read(sweep, id)) fail(fmt::format("{} does not read", id));
     }
-    std::erase_if(choice.ids, [&](const std::string& id) { return !sweep.reads(find_builder(id), options); });
+    std::erase_if(choice.ids, [&](const std::string& id) { return !is_read(sweep, id); });
     if (!choice.ids.empty()) return;
-    fail(fmt::format("no builder that can run here reads {}{}{}", sweep.option, choice.reason.empty() ? "" : ": ",
-                     choice.reason));
+    fail(fmt::format("{}no builder that can run here reads", choice.reason.empty() ? "" : choice.reason + ": "));
 }
 
 std::vector<std::uint32_t> sweep_sizes(std::uint32_t largest) {

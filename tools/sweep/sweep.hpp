@@ -1,7 +1,7 @@
 #pragma once
 
-#include <clbvh/core/build_options.hpp>
-#include <clbvh/registry.hpp>
+#include <clbvh/catalog.hpp>
+#include <clbvh/options.hpp>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -13,10 +13,8 @@ namespace clbvh::tool {
 
 /// One thing that a benchmark varies while everything else stays.
 struct Sweep {
-    std::string_view what;    ///< "radius", "size", "chunk" or "threshold".
-    std::string_view option;  ///< The command line's option that it sets; empty where it sets none.
-    bool (*reads)(const BuilderInfo& builder, const BuildOptions& options);
-    void (*set)(BuildOptions& options, std::uint32_t value);
+    std::string_view what;              ///< "radius", "size", "chunk" or "threshold".
+    std::string_view option;            ///< The option that it sets; empty where it sets none.
     std::vector<std::uint32_t> values;  ///< Empty for "size", whose values depend on the scene.
 };
 
@@ -26,9 +24,12 @@ struct Sweep {
 /// The sweep of that name, which must be one of sweep_names().
 [[nodiscard]] const Sweep& find_sweep(std::string_view name);
 
-/// Leaves those of `choice` that, with the other `options`, read what is swept. Throws Error(invalid_input) for one
-/// that was asked for by its id and does not, or where none is left, naming those that do.
-void keep_readers(const Sweep& sweep, const BuildOptions& options, BuilderChoice& choice);
+/// Sets what is swept.
+void set_swept(const Sweep& sweep, BuildOptions& options, std::uint32_t value);
+
+/// Leaves those of `choice` that read what is swept. Throws Error(invalid_input) for one that was asked for by its id
+/// and does not, or where none is left, naming those that do.
+void keep_readers(const Sweep& sweep, BuilderChoice& choice);
 
 /// Sizes from 10^4 to `largest` (at least 10^4), each about 3.16 times the one before; the last is `largest`.
 [[nodiscard]] std::vector<std::uint32_t> sweep_sizes(std::uint32_t largest);

@@ -69,7 +69,7 @@ private:
 
     void add(const Sweep& sweep, const std::string& id, std::uint32_t value, const SizedMesh& mesh) {
         SweepContestant::Point point{id, mesh.scene, &mesh.mesh, {std::string(sweep.what), value}, settings_.options};
-        sweep.set(point.options, value);
+        set_swept(sweep, point.options, value);
         point.options.progress = [this](const Progress& build) {
             progress_.show(build.fraction);
             return !interrupted();

@@ -101,7 +101,7 @@ void choose(std::vector<Trial>& trials) {
 }
 
 void set_sort_shape(BuildOptions& options, std::uint32_t value) {
-    options.sort_shape = static_cast<Shape>(value);
+    options.device.sort_shape = static_cast<Shape>(value);
 }
 
 }  // namespace
@@ -113,12 +113,12 @@ std::vector<Knob> knobs_of(const Context& context) {
     const Knob chunk{"chunk_size",
                      "plocpp",
                      {0, 128, 256, 512, 1024, 2048},
-                     [](BuildOptions& options, std::uint32_t value) { options.chunk_size = value; },
+                     [](BuildOptions& options, std::uint32_t value) { options.ploc.chunk_size = value; },
                      [](Profile& profile, std::uint32_t value) { profile.chunk_size = value; }};
     const Knob work_group{"work_group_size",
                           "plocpp",
                           {0, 64, 128, 256, 512, 1024},
-                          [](BuildOptions& options, std::uint32_t value) { options.work_group_size = value; },
+                          [](BuildOptions& options, std::uint32_t value) { options.ploc.work_group_size = value; },
                           [](Profile& profile, std::uint32_t value) { profile.work_group_size = value; }};
     if (context.prefers_lane_shape()) {
         knobs.push_back(
@@ -130,7 +130,7 @@ std::vector<Knob> knobs_of(const Context& context) {
     knobs.push_back({"single_group_threshold",
                      "plocpp",
                      {0, 1024, 2048, 4096, 8192, 16384, 32768},
-                     [](BuildOptions& options, std::uint32_t value) { options.single_group_threshold = value; },
+                     [](BuildOptions& options, std::uint32_t value) { options.ploc.single_group_threshold = value; },
                      [](Profile& profile, std::uint32_t value) { profile.single_group_threshold = value; }});
     return knobs;
 }

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <clbvh/core/build_options.hpp>
 #include <clbvh/device/context.hpp>
 #include <clbvh/device/profile.hpp>
+#include <clbvh/options.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -5,12 +5,12 @@
 #include <span>
 #include <vector>
 
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/device/context.hpp"
 #include "clbvh/device/memory.hpp"
 #include "clbvh/export.h"
+#include "clbvh/options.hpp"
 
 namespace clbvh {
 

@@ -5,12 +5,12 @@
 #include <span>
 #include <string_view>
 
-#include "clbvh/core/build_options.hpp"
+#include "clbvh/catalog.hpp"
 #include "clbvh/device/context.hpp"
 #include "clbvh/device/memory.hpp"
 #include "clbvh/device/opencl_handles.hpp"
 #include "clbvh/export.h"
-#include "clbvh/registry.hpp"
+#include "clbvh/options.hpp"
 
 namespace clbvh {
 
@@ -66,7 +66,7 @@ public:
     [[nodiscard]] const BuilderInfo& info() const noexcept;
     [[nodiscard]] const BuildOptions& options() const noexcept;
     [[nodiscard]] const Context& context() const noexcept;
-    /// The shape that runs: what BuildOptions::shape was resolved to, group or lane.
+    /// The shape that runs: what DeviceConfig::shape was resolved to, group or lane.
     [[nodiscard]] Shape shape() const noexcept;
 
 private:

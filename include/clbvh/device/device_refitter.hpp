@@ -4,9 +4,9 @@
 #include <memory>
 #include <span>
 
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/device/context.hpp"
 #include "clbvh/device/memory.hpp"
+#include "clbvh/device/shape.hpp"
 #include "clbvh/export.h"
 #include "clbvh/metrics/sah.hpp"
 

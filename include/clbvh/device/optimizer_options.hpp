@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "clbvh/core/build_options.hpp"
+#include "clbvh/device/shape.hpp"
 
 namespace clbvh {
 

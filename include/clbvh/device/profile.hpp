@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/device/device.hpp"
+#include "clbvh/device/shape.hpp"
 #include "clbvh/export.h"
 
 namespace clbvh {
@@ -19,10 +19,10 @@ struct Profile {
     std::string platform;                      ///< DeviceInfo::platform of the device.
     std::string device;                        ///< DeviceInfo::name.
     std::string driver_version;                ///< DeviceInfo::driver_version.
-    Shape sort_shape = Shape::automatic;       ///< See BuildOptions.
-    std::uint32_t chunk_size = 0;              ///< See BuildOptions.
-    std::uint32_t work_group_size = 0;         ///< See BuildOptions.
-    std::uint32_t single_group_threshold = 0;  ///< See BuildOptions.
+    Shape sort_shape = Shape::automatic;       ///< See DeviceConfig.
+    std::uint32_t chunk_size = 0;              ///< See PlocConfig.
+    std::uint32_t work_group_size = 0;         ///< See PlocConfig.
+    std::uint32_t single_group_threshold = 0;  ///< See PlocConfig.
 };
 
 /// Where a device's profile was looked for, and what was there.

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/ray.hpp"
+#include "clbvh/device/shape.hpp"
 
 namespace clbvh {
 

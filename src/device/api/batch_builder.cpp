@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "catalog/device_configs.hpp"
 #include "clbvh/core/error.hpp"
 #include "core/memory_errors.hpp"
 #include "device/api/caller_input.hpp"
@@ -24,19 +25,20 @@ using device::KeptBuffer;
 using device::Session;
 
 device::BuildSettings resolve_batch_settings(const BuildOptions& options, Session& session) {
+    check_options(options);
     device::check_device_options("BatchBuilder", options);
     if (!options.optimizers.empty()) {
         throw Error(ErrorCode::unsupported,
                     "optimizers work on one tree at a time, which BatchBuilder leaves out; use DeviceBuilder, or leave "
                     "them alone");
     }
-    const device::BuildSettings settings = device::resolve_settings(options, session);
+    const device::BuildSettings settings = device::resolve_settings(device_configs_for("plocpp", options), session);
     if (settings.morton_code != MortonCode::xyz || !settings.packed_keys()) {
         throw Error(ErrorCode::unsupported,
                     "batches are sorted by 3D Morton codes of 33 or 44 bits; leave morton_code and code_bits alone");
     }
-    if (!settings.lane() && options.work_group_size > device::kLargestBatchGroup) {
-        throw Error(ErrorCode::unsupported, "work_group_size " + std::to_string(options.work_group_size) +
+    if (!settings.lane() && options.ploc.work_group_size > device::kLargestBatchGroup) {
+        throw Error(ErrorCode::unsupported, "work_group_size " + std::to_string(options.ploc.work_group_size) +
                                                 " is more than the " + std::to_string(device::kLargestBatchGroup) +
                                                 " work items that a tree of a batch gets");
     }

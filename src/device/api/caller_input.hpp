@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "clbvh/core/build_options.hpp"
+#include "clbvh/options.hpp"
 #include "device/api/caller_memory.hpp"
 #include "device/opencl/device_mesh.hpp"
 

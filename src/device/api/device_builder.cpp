@@ -4,11 +4,12 @@
 #include <string>
 
 #include "catalog/builder_rows.hpp"
+#include "catalog/device_configs.hpp"
 #include "catalog/device_optimizers.hpp"
 #include "catalog/optimizer_rows.hpp"
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/error.hpp"
 #include "clbvh/core/mesh.hpp"
-#include "clbvh/presets.hpp"
 #include "device/api/caller_input.hpp"
 #include "device/api/caller_queue.hpp"
 #include "device/api/caller_tree.hpp"
@@ -57,7 +58,8 @@ struct CLBVH_NO_EXPORT DeviceBuilder::State {
         : options(with_preset(builder_id, chosen_options)),
           row(device_row(builder_id, chosen_options)),
           context(std::move(chosen_context)),
-          settings(device::prepare_pipeline(context.session(), *row.device_algorithm, options)),
+          settings(device::prepare_pipeline(context.session(), *row.device_algorithm,
+                                            device_configs_for(row.info.id, options))),
           optimizers(make_optimizer_chain(context.session(), options)),
           alignment(device::view_alignment(context.session())) {}
 

@@ -17,8 +17,6 @@ constexpr std::uint32_t kLaneChunk = 512;
 constexpr std::uint32_t kLaneSortPiecesPerUnit = 4;
 constexpr std::uint32_t kLeastLaneSortPiece = 8192;
 constexpr std::uint32_t kSortTile = 256 * kernels::TILE_ELEMENTS_PER_ITEM;  // of the largest group
-constexpr std::uint32_t kDefaultCodeBits = 44;
-constexpr std::uint32_t kFastCodeBits = 33;  // one pass of the sort less
 constexpr std::uint32_t kSingleGroupThreshold = 8192;
 constexpr std::uint32_t kLeastRanges = 256;
 constexpr std::uint32_t kMostRanges = 512;
@@ -56,11 +54,11 @@ std::size_t chosen_group_size(const BuildSettings& settings, const Profile& prof
     return info.type == DeviceType::cpu ? std::min(kCpuGroup, largest) : largest;
 }
 
-void resolve_group_sizes(BuildSettings& settings, const BuildOptions& options, const Profile& profile,
+void resolve_group_sizes(BuildSettings& settings, const PlocConfig& config, const Profile& profile,
                          const DeviceInfo& info) {
     const std::size_t largest = group_size_that_fits(info, settings.exact_distances);
     settings.cluster_group_size =
-        options.work_group_size != 0 ? options.work_group_size : chosen_group_size(settings, profile, info, largest);
+        config.work_group_size != 0 ? config.work_group_size : chosen_group_size(settings, profile, info, largest);
     if (settings.cluster_group_size > largest) {
         throw Error(ErrorCode::unsupported, "work_group_size " + std::to_string(settings.cluster_group_size) +
                                                 " is too large for " + info.name + ", which fits " +
@@ -84,27 +82,14 @@ std::uint32_t chosen_lane_chunk(const BuildSettings& settings, const Profile& pr
     return chunk;
 }
 
-void resolve_lane_sizes(BuildSettings& settings, const BuildOptions& options, const Profile& profile,
+void resolve_lane_sizes(BuildSettings& settings, const PlocConfig& config, const Profile& profile,
                         const DeviceInfo& info) {
-    settings.lane_chunk_size =
-        options.chunk_size != 0 ? options.chunk_size : chosen_lane_chunk(settings, profile, info);
+    settings.lane_chunk_size = config.chunk_size != 0 ? config.chunk_size : chosen_lane_chunk(settings, profile, info);
     if (lane_local_bytes(settings.lane_chunk_size, settings.search_radius) > info.local_memory_bytes) {
         throw Error(ErrorCode::unsupported, "chunk_size " + std::to_string(settings.lane_chunk_size) +
                                                 " needs more local memory than the " +
                                                 std::to_string(info.local_memory_bytes) + " bytes of " + info.name);
     }
-}
-
-HplocSettings resolve_hploc(const BuildOptions& options) {
-    constexpr std::uint32_t kMostToOneSide = 31;  // clusters of a node beside one
-    const bool fast = options.hploc_quality == HplocQuality::fast;
-    HplocSettings hploc;
-    hploc.cluster_limit = options.cluster_limit != 0 ? options.cluster_limit : 16;
-    hploc.small_range = options.small_range != 0 ? options.small_range : fast ? 256 : 1;
-    hploc.small_limit = options.small_limit != 0 ? options.small_limit : 8;
-    hploc.merge_pairs = options.merge_pairs != PairMerging::off;
-    hploc.window = options.hploc_search == HplocSearch::window ? std::min(options.search_radius, kMostToOneSide) : 0;
-    return hploc;
 }
 
 std::uint32_t first_not_zero(std::initializer_list<std::uint32_t> values) {
@@ -123,7 +108,8 @@ std::string BuildSettings::hploc_defines() const {
     return " -D CLUSTER_LIMIT=" + std::to_string(hploc.cluster_limit) +
            " -D SMALL_RANGE=" + std::to_string(hploc.small_range) +
            " -D SMALL_LIMIT=" + std::to_string(hploc.small_limit) +
-           " -D MERGE_PAIRS=" + (hploc.merge_pairs ? "1" : "0") + " -D HPLOC_WINDOW=" + std::to_string(hploc.window);
+           " -D MERGE_PAIRS=" + (hploc.merge_pairs ? "1" : "0") +
+           " -D HPLOC_WINDOW=" + std::to_string(hploc.search_radius);
 }
 
 Pieces BuildSettings::sort_pieces(std::uint32_t elements) const {
@@ -136,25 +122,23 @@ KeyLayout BuildSettings::key_layout(std::uint32_t primitives) const {
     return {index_bits, std::min(code_bits, 64 - index_bits)};
 }
 
-BuildSettings resolve_settings(const BuildOptions& options, Session& session, OptionsRead read) {
-    check_options(options);
+BuildSettings resolve_settings(const DeviceConfigs& configs, Session& session) {
+    const auto& [device, ploc, hploc, searches_chunks] = configs;
     const DeviceInfo& info = session.info();
     const Profile profile = session.profile().profile.value_or(Profile{});
     BuildSettings settings;
-    static_cast<DeviceFit&>(settings) = fit_to_device(session, options.shape);
+    static_cast<DeviceFit&>(settings) = fit_to_device(session, device.shape);
     // The lane shape needs its self-test, whatever a profile says.
-    const bool sorts_in_groups = options.sort_shape == Shape::automatic && profile.sort_shape == Shape::group;
-    settings.sort_shape = sorts_in_groups ? Shape::group : definite_shape(session, options.sort_shape);
-    settings.search_radius = options.search_radius;
-    settings.morton_code = options.morton_code;
-    const bool shortens_codes = read.presets && options.hploc_quality == HplocQuality::fast;
-    settings.code_bits = first_not_zero({options.code_bits, shortens_codes ? kFastCodeBits : kDefaultCodeBits});
-    settings.exact_distances = options.neighbour_encoding == NeighbourEncoding::bits64;
-    settings.symmetric_search =
-        options.neighbour_search == NeighbourSearch::symmetric ||
-        (options.neighbour_search == NeighbourSearch::automatic && info.type != DeviceType::cpu);
+    const bool sorts_in_groups = device.sort_shape == Shape::automatic && profile.sort_shape == Shape::group;
+    settings.sort_shape = sorts_in_groups ? Shape::group : definite_shape(session, device.sort_shape);
+    settings.search_radius = ploc.search_radius;
+    settings.morton_code = device.morton_code;
+    settings.code_bits = device.code_bits;
+    settings.exact_distances = ploc.neighbour_encoding == NeighbourEncoding::bits64;
+    settings.symmetric_search = ploc.neighbour_search == NeighbourSearch::symmetric ||
+                                (ploc.neighbour_search == NeighbourSearch::automatic && info.type != DeviceType::cpu);
     if (!settings.lane() && settings.exact_distances && settings.symmetric_search && !info.int64_atomics) {
-        if (options.neighbour_search == NeighbourSearch::symmetric) {
+        if (ploc.neighbour_search == NeighbourSearch::symmetric) {
             throw Error(ErrorCode::unsupported,
                         "neighbour_encoding bits64 with neighbour_search symmetric needs 64-bit atomics, which " +
                             info.name + " lacks; use neighbour_search scan or neighbour_encoding bits32");
@@ -162,20 +146,20 @@ BuildSettings resolve_settings(const BuildOptions& options, Session& session, Op
         settings.symmetric_search = false;
     }
     settings.single_group_threshold =
-        first_not_zero({options.single_group_threshold, profile.single_group_threshold, kSingleGroupThreshold});
-    settings.hploc = resolve_hploc(options);
+        first_not_zero({ploc.single_group_threshold, profile.single_group_threshold, kSingleGroupThreshold});
+    settings.hploc = hploc;
     resolve_sort(settings, info);
-    if (!read.chunks) {
+    if (!searches_chunks) {
         settings.cluster_group_size = settings.stream_group_size;
     } else if (settings.lane()) {
-        resolve_lane_sizes(settings, options, profile, info);
+        resolve_lane_sizes(settings, ploc, profile, info);
     } else {
-        resolve_group_sizes(settings, options, profile, info);
+        resolve_group_sizes(settings, ploc, profile, info);
     }
     // Twice the groups that fill the device (section 5.1), at most kMostRanges, and no fewer than keep a range in a
     // CPU's second-level cache. The same for both shapes, so that both give the same tree.
     const std::uint32_t chosen_ranges = std::max(kLeastRanges, 2 * settings.groups_to_fill);
-    settings.range_count = options.range_count != 0 ? options.range_count : std::min(kMostRanges, chosen_ranges);
+    settings.range_count = ploc.range_count != 0 ? ploc.range_count : std::min(kMostRanges, chosen_ranges);
     return settings;
 }
 

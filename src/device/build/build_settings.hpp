@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <string>
 
-#include "clbvh/core/build_options.hpp"
+#include "clbvh/device/device_config.hpp"
+#include "clbvh/device/hploc.hpp"
+#include "clbvh/device/ploc.hpp"
 #include "device/opencl/device_fit.hpp"
 #include "kernels/build/build_constants.h"
 
@@ -15,16 +17,16 @@ struct KeyLayout {
     std::uint32_t code_bits;
 };
 
-/// What H-PLOC's options stand for.
-struct HplocSettings {
-    std::uint32_t cluster_limit = 16;
-    std::uint32_t small_range = 1;
-    std::uint32_t small_limit = 8;
-    bool merge_pairs = true;
-    std::uint32_t window = 0;  ///< clusters searched to each side; 0: all of the node
+/// The options of a device builder.
+struct DeviceConfigs {
+    DeviceConfig device;
+    PlocConfig ploc;
+    HplocConfig hploc;
+    bool searches_chunks = true;  ///< PlocConfig's chunk_size and work_group_size are read, and have to fit the search
+                                  ///< radius and local memory.
 };
 
-/// BuildOptions made definite for one device: every automatic choice taken, every size known.
+/// A builder's options made definite for one device: every automatic choice taken, every size known.
 struct BuildSettings : DeviceFit {
     std::uint32_t search_radius = 16;
     MortonCode morton_code = MortonCode::xyz;
@@ -41,7 +43,7 @@ struct BuildSettings : DeviceFit {
     /// Most iterations that are enqueued before their counts are read, 1 to 64. The same on every device: tests look at
     /// one iteration at a time by setting it.
     std::uint32_t iterations_in_flight = 8;
-    HplocSettings hploc;
+    HplocConfig hploc;
 
     /// Pieces of a pass of the sort.
     [[nodiscard]] Pieces sort_pieces(std::uint32_t elements) const;
@@ -62,14 +64,8 @@ struct BuildSettings : DeviceFit {
     [[nodiscard]] std::string hploc_defines() const;
 };
 
-/// Which of the options that not every builder reads one builder reads.
-struct OptionsRead {
-    bool chunks = true;    ///< work_group_size and chunk_size, which have to fit the search radius and local memory
-    bool presets = false;  ///< hploc_quality, which says what code_bits 0 stands for
-};
-
-/// Takes every automatic choice for `session`'s device. Throws Error(invalid_input) where options contradict each
-/// other, and Error(unsupported) where the device cannot do what they ask; options that are not read are not checked.
-[[nodiscard]] BuildSettings resolve_settings(const BuildOptions& options, Session& session, OptionsRead read = {});
+/// Takes every automatic choice for `session`'s device. `configs` are in range. Throws Error(invalid_input) where they
+/// contradict each other, and Error(unsupported) where the device cannot do what they ask.
+[[nodiscard]] BuildSettings resolve_settings(const DeviceConfigs& configs, Session& session);
 
 }  // namespace clbvh::device

@@ -24,7 +24,6 @@ struct DeviceAlgorithm {
     void (*cluster)(const ClusterJob& job);
     /// Device memory beside what every build uses.
     std::uint64_t (*extra_bytes)(const BuildSettings& settings, std::uint32_t primitives);
-    OptionsRead options_read;
     BoxOrder box_order = BoxOrder::morton;
     /// The program of its kernels, beside those of the stages.
     ProgramSpec (*program)(const BuildSettings& settings);

@@ -102,6 +102,6 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kHploc{cluster, extra_bytes, {.chunks = false, .presets = true}, BoxOrder::input, program};
+const DeviceAlgorithm kHploc{cluster, extra_bytes, BoxOrder::input, program};
 
 }  // namespace clbvh::device

@@ -65,6 +65,6 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kLbvh{cluster, extra_bytes, {.chunks = false, .presets = false}, BoxOrder::input, program};
+const DeviceAlgorithm kLbvh{cluster, extra_bytes, BoxOrder::input, program};
 
 }  // namespace clbvh::device

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "device/build/bounds.hpp"
-#include "device/build/root.hpp"
 #include "device/build/leaves.hpp"
 #include "device/build/morton.hpp"
 #include "device/build/radix_sort.hpp"
+#include "device/build/root.hpp"
 #include "device/opencl/lane_shape_check.hpp"
 
 namespace clbvh::device {
@@ -48,16 +48,16 @@ void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const B
 
 }  // namespace
 
-BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildOptions& options) {
+BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm, const DeviceConfigs& configs) {
     if (session.joins_programs() && session.may_prefer_lane_shape()) {
         // The kernel that tests the lane shape is built with those that are wanted if it passes.
-        BuildOptions lane = options;
-        for (Shape* const shape : {&lane.shape, &lane.sort_shape}) {
+        DeviceConfigs lane = configs;
+        for (Shape* const shape : {&lane.device.shape, &lane.device.sort_shape}) {
             if (*shape == Shape::automatic) *shape = Shape::lane;
         }
-        prepare_programs(session, algorithm, resolve_settings(lane, session, algorithm.options_read));
+        prepare_programs(session, algorithm, resolve_settings(lane, session));
     }
-    const BuildSettings settings = resolve_settings(options, session, algorithm.options_read);
+    const BuildSettings settings = resolve_settings(configs, session);
     prepare_programs(session, algorithm, settings);
     return settings;
 }

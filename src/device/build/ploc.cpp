@@ -104,6 +104,6 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kPloc{cluster, extra_bytes, {.chunks = true, .presets = false}, BoxOrder::morton, program};
+const DeviceAlgorithm kPloc{cluster, extra_bytes, BoxOrder::morton, program};
 
 }  // namespace clbvh::device

@@ -100,6 +100,6 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kPlocpp{cluster, extra_bytes, {.chunks = true, .presets = false}, BoxOrder::morton, program};
+const DeviceAlgorithm kPlocpp{cluster, extra_bytes, BoxOrder::morton, program};
 
 }  // namespace clbvh::device

@@ -56,7 +56,6 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kPlocppTwoLevel{
-    cluster, extra_bytes, {.chunks = true, .presets = false}, BoxOrder::morton, program};
+const DeviceAlgorithm kPlocppTwoLevel{cluster, extra_bytes, BoxOrder::morton, program};
 
 }  // namespace clbvh::device

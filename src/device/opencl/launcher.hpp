@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/build_stats.hpp"
 #include "device/opencl/session.hpp"
 

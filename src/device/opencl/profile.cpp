@@ -11,6 +11,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "core/fnv1a.hpp"
+#include "device/opencl/layout_rules.hpp"
 #include "device/opencl/user_folder.hpp"
 
 namespace clbvh {
@@ -62,9 +63,10 @@ public:
     [[nodiscard]] Shape shape(const std::string& name) const {
         const auto value = values_.find(name);
         if (value == values_.end()) return Shape::automatic;
-        const std::optional<Shape> shape = shape_from(value->second);
-        if (!shape) fail(name + " is not auto, group or lane");
-        return *shape;
+        for (const Shape shape : {Shape::automatic, Shape::group, Shape::lane}) {
+            if (value->second == to_string(shape)) return shape;
+        }
+        fail(name + " is not auto, group or lane");
     }
 
 private:
@@ -87,11 +89,9 @@ private:
 
 /// In range as the options are.
 void check_profile(const Profile& profile) {
-    BuildOptions options;
-    options.chunk_size = profile.chunk_size;
-    options.work_group_size = profile.work_group_size;
-    options.single_group_threshold = profile.single_group_threshold;
-    check_options(options);
+    check_field("chunk_size", profile.chunk_size, device::kChunkSizes);
+    check_field("work_group_size", profile.work_group_size, device::kWorkGroupSizes);
+    check_field("single_group_threshold", profile.single_group_threshold, device::kSingleGroupThresholds);
 }
 
 Profile read_profile(std::string_view text) {

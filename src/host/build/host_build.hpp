@@ -4,7 +4,7 @@
 #include <functional>
 #include <span>
 
-#include "clbvh/core/build_options.hpp"
+#include "clbvh/core/build_stats.hpp"
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "core/scratch.hpp"
@@ -22,9 +22,6 @@ struct HostBuild {
     HostStages& stages;               ///< The builder begins its own stages, from fraction 0.05 to 1.
     Bvh& result;                      ///< Nodes and ids are to be filled; its vectors may hold an older tree.
 };
-
-/// A host builder as the table of builders knows it.
-using HostAlgorithm = void (*)(HostBuild& build, const BuildOptions& options);
 
 /// A host builder with its options bound.
 using BoundAlgorithm = std::function<void(HostBuild&)>;

@@ -19,6 +19,7 @@
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
 #include "core/prefix_sum.hpp"
+#include "host/split/config_rules.hpp"
 #include "host/top_down/subdivision.hpp"
 
 namespace clbvh::host {
@@ -231,7 +232,7 @@ PresplitMesh split(const Mesh& mesh, const PresplitConfig& config) {
 }  // namespace host
 
 PresplitMesh presplit(const Mesh& mesh, const PresplitConfig& config) {
-    check_range("level", config.level, 1, kMaxPresplitLevel);
+    check_range("level", config.level, 1, host::kMaxPresplitLevel);
     check_range("triangle_budget", config.triangle_budget, 1.0f, 64.0f);
     static_cast<void>(check_mesh(mesh));
     return with_memory_errors("the split mesh", [&] { return host::split(mesh, config); });

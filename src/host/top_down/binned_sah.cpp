@@ -181,7 +181,7 @@ private:
 };
 
 void check(const BinnedSahConfig& config) {
-    check_range("bin_count", config.bin_count, 2, kMaxBinCount);
+    check_field("bin_count", config.bin_count, kBinCounts);
     check_positive("inner_cost", config.inner_cost);
     check_positive("primitive_cost", config.primitive_cost);
     check_range("max_leaf_size", config.max_leaf_size, 1, kMaxLeafSize);

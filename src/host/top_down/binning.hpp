@@ -6,8 +6,8 @@
 #include <limits>
 #include <span>
 
-#include "core/check_field.hpp"
 #include "host/build/reference.hpp"
+#include "host/top_down/config_rules.hpp"
 
 namespace clbvh::host {
 

@@ -222,10 +222,10 @@ private:
 };
 
 void check(const SbvhConfig& config) {
-    check_range("bin_count", config.bin_count, 2, kMaxBinCount);
-    check_range("spatial_bin_count", config.spatial_bin_count, 2, kMaxBinCount);
-    check_range("alpha", config.alpha, 0.0f, 1.0f);
-    check_range("reference_budget", config.reference_budget, 1.0f, 8.0f);
+    check_field("bin_count", config.bin_count, kBinCounts);
+    check_field("spatial_bin_count", config.spatial_bin_count, kBinCounts);
+    check_field("alpha", config.alpha, kSplitAlphas);
+    check_field("reference_budget", config.reference_budget, kReferenceBudgets);
     check_positive("inner_cost", config.inner_cost);
     check_positive("primitive_cost", config.primitive_cost);
     check_range("max_leaf_size", config.max_leaf_size, 1, kMaxLeafSize);

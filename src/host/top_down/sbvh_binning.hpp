@@ -5,8 +5,8 @@
 #include <limits>
 #include <span>
 
-#include "core/check_field.hpp"
 #include "host/build/cost_unit.hpp"
+#include "host/top_down/config_rules.hpp"
 #include "host/top_down/sbvh_clip.hpp"
 
 namespace clbvh::host {

@@ -22,8 +22,8 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 /// Options whose chunks are so small that little meshes fill several.
 BuildOptions small_chunks(Shape shape, std::uint32_t radius = 8) {
     BuildOptions options = options_of(shape, radius);
-    options.chunk_size = 64;
-    options.work_group_size = 128;
+    options.ploc.chunk_size = 64;
+    options.ploc.work_group_size = 128;
     return options;
 }
 
@@ -53,7 +53,7 @@ void expect_own_trees(const std::vector<Bvh>& trees, const std::vector<Mesh>& me
     Builder builder = make_builder("plocpp", options);
     REQUIRE(trees.size() == meshes.size());
     for (std::size_t i = 0; i < meshes.size(); ++i) {
-        INFO("mesh " << i << " of " << meshes[i].triangles.size() << " triangles, " << to_string(options.shape));
+        INFO("mesh " << i << " of " << meshes[i].triangles.size() << " triangles, " << to_string(options.device.shape));
         CHECK(same_bytes(trees[i], builder.build(meshes[i])));
     }
 }
@@ -135,9 +135,9 @@ TEST_CASE("batch builder: every tree is Builder's, in both shapes") {
             expect_own_trees(builder.build(meshes), meshes, options);
         }
         BuildOptions exact = options_of(shape, 5);
-        exact.neighbour_encoding = NeighbourEncoding::bits64;
-        exact.neighbour_search = NeighbourSearch::scan;
-        exact.code_bits = 33;
+        exact.ploc.neighbour_encoding = NeighbourEncoding::bits64;
+        exact.ploc.neighbour_search = NeighbourSearch::scan;
+        exact.device.code_bits = 33;
         BatchBuilder builder(shared_context(), exact);
         expect_own_trees(builder.build(meshes), meshes, exact);
     }
@@ -200,10 +200,10 @@ TEST_CASE("batch builder: options that it cannot keep are refused") {
     options.max_leaf_size = 4;
     expect_refused(options, "max_leaf_size");
     options = {};
-    options.morton_code = MortonCode::extended;
+    options.device.morton_code = MortonCode::extended;
     expect_refused(options, "morton_code");
     options = {};
-    options.code_bits = 63;
+    options.device.code_bits = 63;
     expect_refused(options, "code_bits");
 }
 

@@ -31,7 +31,7 @@ void for_each_device_builder(Check check) {
         for (const std::string_view id : device_builders()) {
             INFO(id << ", " << to_string(shape));
             BuildOptions options = options_of(shape);
-            options.single_group_threshold = 1000;
+            options.ploc.single_group_threshold = 1000;
             DeviceBuilder builder = make_device_builder(id, options);
             check(builder);
         }
@@ -244,7 +244,7 @@ TEST_CASE("device builder: builders of the host and work of the host are refused
     options.split_quota = 0.3f;
     expect_error(ErrorCode::unsupported, {"split_quota"}, [&] { (void)make_device_builder("lbvh", options); });
     options = {};
-    options.search_radius = 33;
+    options.ploc.search_radius = 33;
     expect_error(ErrorCode::invalid_input, {"search_radius"}, [&] { (void)make_device_builder("ploc", options); });
 }
 
@@ -363,7 +363,7 @@ TEST_CASE("device builder: it can be moved, and says what it is") {
     DeviceBuilder first = make_device_builder("plocpp-two-level", options_of(Shape::group));
     CHECK(first.info().id == "plocpp-two-level");
     CHECK(first.shape() == Shape::group);
-    CHECK(first.options().range_count == 8);
+    CHECK(first.options().ploc.range_count == 8);
     CHECK(first.context().opencl_queue() == shared_context().opencl_queue());
     CHECK(first.alignment() > 0);
     DeviceBuilder second = std::move(first);

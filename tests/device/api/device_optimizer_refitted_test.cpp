@@ -2,8 +2,8 @@
 // have empty boxes, which cost nothing.
 #include <catch2/catch.hpp>
 
+#include "clbvh/catalog.hpp"
 #include "clbvh/device/device_optimizer.hpp"
-#include "clbvh/optimizers.hpp"
 #include "device/build/stage_bench.hpp"
 #include "support/builders.hpp"
 #include "support/compare_trees.hpp"

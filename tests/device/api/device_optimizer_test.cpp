@@ -4,11 +4,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/validate.hpp"
 #include "clbvh/device/batch_builder.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
-#include "clbvh/optimizers.hpp"
 #include "device/opencl/session.hpp"
 #include "support/box_sets.hpp"
 #include "support/builders.hpp"

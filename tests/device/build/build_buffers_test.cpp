@@ -25,9 +25,9 @@ Session& session() {
 }
 
 MemoryPlan plan(std::uint32_t primitives, std::uint64_t extra_bytes = 0, BoxOrder box_order = BoxOrder::morton,
-                Shape shape = Shape::lane, std::uint32_t code_bits = 0) {
+                Shape shape = Shape::lane, std::uint32_t code_bits = 44) {
     BuildOptions options = options_of(shape);
-    options.code_bits = code_bits;
+    options.device.code_bits = code_bits;
     return device::plan_memory(settings_of(options), box_order, primitives, extra_bytes);
 }
 

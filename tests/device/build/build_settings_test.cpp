@@ -4,10 +4,11 @@
 #include <array>
 #include <catch2/catch.hpp>
 
-#include "clbvh/core/build_options.hpp"
+#include "catalog/device_configs.hpp"
+#include "clbvh/options.hpp"
+#include "device/build/stage_bench.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
-#include "support/oracle/hploc_oracle.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -42,19 +43,19 @@ DeviceInfo cpu(std::uint64_t local_kib) {
 
 BuildSettings resolve(const BuildOptions& options, const DeviceInfo& info) {
     Session session(info);
-    return device::resolve_settings(options, session, {.chunks = true, .presets = true});
+    return device::resolve_settings(all_configs(options), session);
 }
 
 /// Options of one shape where all else is automatic.
 BuildOptions shape_only(Shape shape) {
     BuildOptions options;
-    options.shape = shape;
+    options.device.shape = shape;
     return options;
 }
 
 BuildOptions with_radius(Shape shape, std::uint32_t radius) {
     BuildOptions options = shape_only(shape);
-    options.search_radius = radius;
+    options.ploc.search_radius = radius;
     return options;
 }
 
@@ -84,7 +85,7 @@ TEST_CASE("settings: the automatic shape is lane on CPUs that pass the self-test
         CHECK(resolve(shape_only(shape), gpu(2048)).shape == shape);
         CHECK(resolve(shape_only(shape), cpu(2048)).shape == shape);
         BuildOptions options;
-        options.sort_shape = shape;
+        options.device.sort_shape = shape;
         CHECK(resolve(options, gpu(64)).sort_shape == shape);
         CHECK(resolve(options, gpu(64)).shape == Shape::group);
     }
@@ -100,14 +101,9 @@ TEST_CASE("settings: packed keys give the code the bits that the index leaves") 
         CHECK(settings.key_layout(primitives).code_bits == code_bits);
     }
     BuildOptions options;
-    options.code_bits = 33;
+    options.device.code_bits = 33;
     CHECK(resolve(options, cpu(2048)).key_layout(1 << 30).code_bits == 33);
-    options = {};
-    options.hploc_quality = HplocQuality::fast;
-    CHECK(resolve(options, cpu(2048)).key_layout(1000).code_bits == 33);
-    options.code_bits = 44;
-    CHECK(resolve(options, cpu(2048)).key_layout(1000).code_bits == 44);
-    options.code_bits = 63;
+    options.device.code_bits = 63;
     CHECK_FALSE(resolve(options, cpu(2048)).packed_keys());
 }
 
@@ -117,23 +113,23 @@ TEST_CASE("settings: automatic searches are symmetric on GPUs and scans on CPUs"
     CHECK_FALSE(resolve(options, cpu(2048)).symmetric_search);
     CHECK_FALSE(resolve(options, gpu(64)).exact_distances);
     BuildOptions explicit_options = options;
-    explicit_options.neighbour_search = NeighbourSearch::scan;
+    explicit_options.ploc.neighbour_search = NeighbourSearch::scan;
     CHECK_FALSE(resolve(explicit_options, gpu(64)).symmetric_search);
-    explicit_options.neighbour_search = NeighbourSearch::symmetric;
+    explicit_options.ploc.neighbour_search = NeighbourSearch::symmetric;
     CHECK(resolve(explicit_options, cpu(2048)).symmetric_search);
 }
 
 TEST_CASE("settings: exact symmetric searches need 64-bit atomics") {
     BuildOptions options = shape_only(Shape::group);
-    options.neighbour_encoding = NeighbourEncoding::bits64;
+    options.ploc.neighbour_encoding = NeighbourEncoding::bits64;
     CHECK(resolve(options, gpu(64, true)).symmetric_search);
     CHECK(resolve(options, gpu(64, true)).exact_distances);
     CHECK_FALSE(resolve(options, gpu(64, false)).symmetric_search);
-    options.neighbour_search = NeighbourSearch::symmetric;
+    options.ploc.neighbour_search = NeighbourSearch::symmetric;
     CHECK(resolve(options, gpu(64, true)).symmetric_search);
     expect_refused(ErrorCode::unsupported, {"bits64", "64-bit atomics", real_device().name, "scan"}, options,
                    gpu(64, false));
-    options.shape = Shape::lane;
+    options.device.shape = Shape::lane;
     CHECK(resolve(options, gpu(64, false)).exact_distances);
 }
 
@@ -166,11 +162,11 @@ TEST_CASE("settings: a lane's groups have one work item, and its chunk fits loca
 TEST_CASE("settings: group sizes and radii that contradict each other are refused") {
     for (const auto& [group, radius] : {std::pair{32u, 8u}, {64u, 16u}, {128u, 32u}}) {
         BuildOptions options = with_radius(Shape::group, radius);
-        options.work_group_size = group;
+        options.ploc.work_group_size = group;
         expect_refused(ErrorCode::invalid_input,
                        {"work_group_size " + std::to_string(group), "search_radius = " + std::to_string(4 * radius)},
                        options, gpu(64));
-        options.search_radius = radius - 1;
+        options.ploc.search_radius = radius - 1;
         CHECK(resolve(options, gpu(64)).chunk_size(2 * (radius - 1)) == group - 4 * (radius - 1));
         CHECK(resolve(options, gpu(64)).cluster_group_size == group);
     }
@@ -178,24 +174,18 @@ TEST_CASE("settings: group sizes and radii that contradict each other are refuse
 
 TEST_CASE("settings: what a device cannot hold is refused with its limit") {
     BuildOptions options = shape_only(Shape::group);
-    options.work_group_size = 1024;
+    options.ploc.work_group_size = 1024;
     expect_refused(ErrorCode::unsupported, {"work_group_size 1024", real_device().name, "512"}, options, gpu(32));
     options = shape_only(Shape::lane);
-    options.chunk_size = 4096;
+    options.ploc.chunk_size = 4096;
     CHECK(resolve(options, cpu(2048)).lane_chunk_size == 4096);
     expect_refused(ErrorCode::unsupported, {"chunk_size 4096", "65536 bytes", real_device().name}, options, cpu(64));
     expect_refused(ErrorCode::unsupported, {"local memory", "8192 bytes"}, shape_only(Shape::lane), cpu(8));
 }
 
-TEST_CASE("settings: options out of their range are refused before the device is asked") {
-    BuildOptions options = shape_only(Shape::group);
-    options.search_radius = 0;
-    expect_refused(ErrorCode::invalid_input, {"search_radius"}, options, gpu(1));
-}
-
 TEST_CASE("settings: Morton ranges are as many as asked for, else the same in both shapes") {
     BuildOptions options = shape_only(Shape::group);
-    options.range_count = 3;
+    options.ploc.range_count = 3;
     CHECK(resolve(options, gpu(64)).range_count == 3);
     DeviceInfo large = gpu(2048);
     large.compute_units = 1000;
@@ -207,41 +197,31 @@ TEST_CASE("settings: Morton ranges are as many as asked for, else the same in bo
     }
 }
 
-TEST_CASE("settings: H-PLOC's presets fill in what is left to them") {
-    const auto defines = [](const BuildOptions& options) { return resolve(options, gpu(64)).hploc_defines(); };
-    const HplocOracleOptions balanced = hploc_oracle_options({});
+TEST_CASE("settings: H-PLOC's options are its kernels' constants") {
     BuildOptions options;
-    CHECK(resolve(options, gpu(64)).hploc.cluster_limit == balanced.cluster_limit);
-    CHECK(resolve(options, gpu(64)).hploc.merge_pairs == balanced.merge_pairs);
-    CHECK(resolve(options, gpu(64)).hploc.window == 0);
-    options.hploc_quality = HplocQuality::fast;
-    CHECK(resolve(options, gpu(64)).hploc.small_range == hploc_oracle_options(options).small_range);
-    CHECK(resolve(options, gpu(64)).hploc.small_range > 1);
-    CHECK(defines(options) != defines({}));
-    options.cluster_limit = 8;
-    options.small_range = 5;
-    options.small_limit = 3;
-    options.merge_pairs = PairMerging::off;
-    options.hploc_search = HplocSearch::window;
-    options.search_radius = 32;
-    CHECK(
-        defines(options).starts_with(" -D CLUSTER_LIMIT=8 -D SMALL_RANGE=5 -D SMALL_LIMIT=3 -D MERGE_PAIRS=0 "
-                                     "-D HPLOC_WINDOW=31"));
+    options.hploc = {.search_radius = 31, .cluster_limit = 8, .small_range = 5, .small_limit = 3, .merge_pairs = false};
+    CHECK(resolve(options, gpu(64)).hploc_defines() ==
+          " -D CLUSTER_LIMIT=8 -D SMALL_RANGE=5 -D SMALL_LIMIT=3 -D MERGE_PAIRS=0 -D HPLOC_WINDOW=31");
 }
 
 TEST_CASE("settings: options that a builder does not read are neither checked nor followed") {
-    const auto resolve_for = [](const BuildOptions& options, device::OptionsRead read) {
-        Session session(gpu(64));
-        return device::resolve_settings(options, session, read);
+    const auto resolve_for = [](std::string_view builder, const BuildOptions& options) {
+        Session session(gpu(64, false));
+        return device::resolve_settings(device_configs_for(builder, options), session);
     };
     BuildOptions options = with_radius(Shape::group, 32);
-    options.work_group_size = 64;
-    options.hploc_quality = HplocQuality::fast;
-    CHECK_THROWS_AS(resolve_for(options, {.chunks = true, .presets = false}), Error);
-    CHECK(resolve_for(options, {.chunks = false, .presets = true}).code_bits == 33);
-    CHECK(resolve_for(options, {.chunks = false, .presets = false}).code_bits == 44);
-    options.code_bits = 33;
-    CHECK(resolve_for(options, {.chunks = false, .presets = false}).code_bits == 33);
+    options.ploc.work_group_size = 64;
+    CHECK_THROWS_AS(resolve_for("plocpp", options), Error);
+    CHECK(resolve_for("lbvh", options).search_radius == 16);
+    CHECK(resolve_for("hploc", options).cluster_group_size == 256);
+    options = shape_only(Shape::group);
+    options.ploc.neighbour_encoding = NeighbourEncoding::bits64;
+    options.ploc.neighbour_search = NeighbourSearch::symmetric;
+    options.hploc.cluster_limit = 8;
+    CHECK_THROWS_AS(resolve_for("plocpp", options), Error);
+    CHECK_FALSE(resolve_for("ploc", options).exact_distances);
+    CHECK(resolve_for("ploc", options).hploc.cluster_limit == 16);
+    CHECK(resolve_for("hploc", options).hploc.cluster_limit == 8);
 }
 
 TEST_CASE("settings: what they let pass, the compiler fits in local memory") {
@@ -249,10 +229,10 @@ TEST_CASE("settings: what they let pass, the compiler fits in local memory") {
         for (const NeighbourEncoding encoding : {NeighbourEncoding::bits32, NeighbourEncoding::bits64}) {
             for (const Shape shape : {Shape::group, Shape::lane}) {
                 BuildOptions options = with_radius(shape, radius);
-                options.neighbour_encoding = encoding;
-                options.neighbour_search = NeighbourSearch::scan;
+                options.ploc.neighbour_encoding = encoding;
+                options.ploc.neighbour_search = NeighbourSearch::scan;
                 Session session(shape == Shape::group ? gpu(32) : cpu(96));
-                const BuildSettings settings = device::resolve_settings(options, session);
+                const BuildSettings settings = device::resolve_settings(all_configs(options), session);
                 INFO(to_string(shape) << ", radius " << radius << ", " << to_string(encoding) << ", groups of "
                                       << settings.cluster_group_size << ", chunk " << settings.chunk_size(2 * radius));
                 const std::uint64_t bytes = local_bytes_of_search(session, settings);

@@ -84,7 +84,7 @@ ClusterResult run_cluster(const device::DeviceAlgorithm& algorithm, const device
 std::vector<Node> run_first_round(const device::DeviceAlgorithm& algorithm, BuildOptions options,
                                   const MortonOrder& order) {
     std::size_t rounds = 0;
-    options.single_group_threshold = 2;
+    options.ploc.single_group_threshold = 2;
     device::BuildSettings settings = settings_of(options);
     settings.iterations_in_flight = 1;
     StageBench bench(settings, order.bounds.size(), &algorithm,

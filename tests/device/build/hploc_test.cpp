@@ -21,39 +21,39 @@ using Codes = std::vector<std::uint64_t>;
 
 BuildOptions fast_options() {
     BuildOptions options;
-    options.hploc_quality = HplocQuality::fast;
+    options.device.code_bits = 33;
+    options.hploc.small_range = 256;
     return options;
 }
 
 BuildOptions window_options(std::uint32_t radius) {
     BuildOptions options;
-    options.hploc_search = HplocSearch::window;
-    options.search_radius = radius;
+    options.hploc.search_radius = radius;
     return options;
 }
 
 /// Each value of each option at least once. Few, since each is a program of its own in each shape.
 std::vector<BuildOptions> all_options() {
     BuildOptions narrow = window_options(1);
-    narrow.cluster_limit = 8;
-    narrow.small_range = 2;
-    narrow.small_limit = 1;
-    narrow.merge_pairs = PairMerging::off;
+    narrow.hploc.cluster_limit = 8;
+    narrow.hploc.small_range = 2;
+    narrow.hploc.small_limit = 1;
+    narrow.hploc.merge_pairs = false;
     BuildOptions uneven;  // nodes of 13 to 16 primitives may have fewer clusters, and none is reduced
-    uneven.small_range = 12;
-    uneven.small_limit = 3;
-    uneven.merge_pairs = PairMerging::off;
+    uneven.hploc.small_range = 12;
+    uneven.hploc.small_limit = 3;
+    uneven.hploc.merge_pairs = false;
     return {BuildOptions{}, fast_options(), window_options(8), narrow, uneven};
 }
 
 /// Checks both shapes on keys that may be equal. False after the first that fails, so that a loop can stop.
 bool expect_hploc_tree(BuildOptions options, const MortonOrder& order, const std::string& name) {
-    options.code_bits = 63;
-    const OracleTree expected = hploc_tree(order, hploc_oracle_options(options));
+    options.device.code_bits = 63;
+    const OracleTree expected = hploc_tree(order, options.hploc);
     // Packed keys are all different: equal codes come from no build but one with all 63 bits.
-    if (std::ranges::adjacent_find(order.codes) != order.codes.end()) options.code_bits = 63;
+    if (std::ranges::adjacent_find(order.codes) != order.codes.end()) options.device.code_bits = 63;
     for (const Shape shape : kBothShapes) {
-        options.shape = shape;
+        options.device.shape = shape;
         INFO(to_string(shape) << ", " << order.bounds.size() << " primitives: " << name);
         if (!expect_cluster_tree(run_cluster(device::kHploc, options, order), expected)) return false;
     }
@@ -146,7 +146,7 @@ TEST_CASE("hploc: inactive primitives, duplicates and both sorts") {
     for (const Shape shape : kBothShapes) {
         for (const Shape sort_shape : kBothShapes) {
             BuildOptions options = options_of(shape);
-            options.sort_shape = sort_shape;
+            options.device.sort_shape = sort_shape;
             Builder builder = make_builder("hploc", options);
             expect_oracle_tree(builder, builder.build(mesh), mesh, "sort " + std::string(to_string(sort_shape)));
         }
@@ -158,19 +158,19 @@ TEST_CASE("hploc oracle: trees are valid for all options") {
         const Mesh mesh = random_triangles(count);
         const MortonOrder order = morton_order(mesh, MortonCode::xyz);
         for (const BuildOptions& options : all_options())
-            CHECK(validate(hploc_tree(order, hploc_oracle_options(options)).bvh, mesh).error == "");
+            CHECK(validate(hploc_tree(order, options.hploc).bvh, mesh).error == "");
     }
 }
 
 TEST_CASE("hploc oracle: what one node holds is clustered as PLOC does it") {
-    HplocOracleOptions as_published;
+    HplocConfig as_published;
     as_published.merge_pairs = false;
-    as_published.window = 16;
+    as_published.search_radius = 16;
     for (std::size_t count = 1; count <= 17; ++count) {
         for (const std::uint32_t seed : {1u, 2u, 3u}) {
             const MortonOrder order = morton_order(random_triangles(count, seed), MortonCode::xyz);
             CHECK(compare_trees(hploc_tree(order, as_published).bvh,
-                                ploc_tree(order, as_published.window, Comparison::packed).bvh) == "");
+                                ploc_tree(order, as_published.search_radius, Comparison::packed).bvh) == "");
         }
     }
 }
@@ -179,5 +179,5 @@ TEST_CASE("hploc oracle: equal boxes give a shallow tree") {
     const Mesh mesh = coincident_triangles(1 << 14);
     const MortonOrder order = morton_order(mesh, MortonCode::xyz);
     for (const BuildOptions& options : all_options())
-        CHECK(validate(hploc_tree(order, hploc_oracle_options(options)).bvh, mesh).depth <= 28);
+        CHECK(validate(hploc_tree(order, options.hploc).bvh, mesh).depth <= 28);
 }

@@ -60,9 +60,9 @@ std::vector<std::uint64_t> expected_codes(const Boxes& boxes, MortonCode code) {
 
 BuildOptions morton_options(MortonCode code, Shape shape, std::uint32_t code_bits) {
     BuildOptions options = options_of(shape);
-    options.sort_shape = shape;
-    options.morton_code = code;
-    options.code_bits = code_bits;
+    options.device.sort_shape = shape;
+    options.device.morton_code = code;
+    options.device.code_bits = code_bits;
     return options;
 }
 

@@ -13,8 +13,8 @@ namespace {
 /// Chunks so small that little input fills many.
 BuildOptions small_chunks(Shape shape, std::uint32_t radius) {
     BuildOptions options = options_of(shape, radius);
-    options.chunk_size = 64;
-    options.work_group_size = 256;
+    options.ploc.chunk_size = 64;
+    options.ploc.work_group_size = 256;
     return options;
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("ploc: as many pieces as a large device takes") {
     const OracleTree expected = ploc_tree(order, 4, Comparison::exact);
     for (const Shape shape : kBothShapes) {
         BuildOptions options = small_chunks(shape, 4);
-        options.work_group_size = 128;
+        options.ploc.work_group_size = 128;
         const ClusterResult result = run_cluster(device::kPloc, large_device_settings(options), order);
         CHECK(result.stats.clusters_per_iteration == expected.clusters_per_iteration);
         expect_cluster_tree(result, expected);

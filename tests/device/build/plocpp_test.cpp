@@ -13,9 +13,9 @@ namespace {
 /// Chunks so small that little input fills many, and a host that launches nearly all rounds.
 BuildOptions small_chunks(Shape shape, std::uint32_t radius) {
     BuildOptions options = options_of(shape, radius);
-    options.chunk_size = 64;
-    options.work_group_size = 256;
-    options.single_group_threshold = 2;
+    options.ploc.chunk_size = 64;
+    options.ploc.work_group_size = 256;
+    options.ploc.single_group_threshold = 2;
     return options;
 }
 
@@ -42,8 +42,8 @@ void for_each_search(std::uint32_t radius, Check check) {
                 INFO(to_string(shape) << ", " << to_string(encoding) << ", " << to_string(search) << ", radius "
                                       << radius);
                 BuildOptions options = small_chunks(shape, radius);
-                options.neighbour_encoding = encoding;
-                options.neighbour_search = search;
+                options.ploc.neighbour_encoding = encoding;
+                options.ploc.neighbour_search = search;
                 check(options);
             }
         }
@@ -60,7 +60,7 @@ TEST_CASE("plocpp: the first round merges exactly the mutual pairs, in every sea
                 const MortonOrder order = random_order(size);
                 const bool same =
                     same_nodes(run_first_round(device::kPlocpp, options, order),
-                               first_round_nodes(order, radius, comparison_of(options.neighbour_encoding)));
+                               first_round_nodes(order, radius, comparison_of(options.ploc.neighbour_encoding)));
                 CHECK(same);
             }
         });
@@ -95,7 +95,7 @@ TEST_CASE("plocpp: the tree and its rounds are the oracle's at sizes around chun
         for (const std::uint32_t size : {1u, 2u, 3u, chunk - 1, chunk, chunk + 1, 2 * chunk, 40 * chunk + 1}) {
             INFO(size);
             const MortonOrder order = random_order(size);
-            OracleTree expected = ploc_tree(order, 16, comparison_of(options.neighbour_encoding));
+            OracleTree expected = ploc_tree(order, 16, comparison_of(options.ploc.neighbour_encoding));
             const ClusterResult result = run_cluster(device::kPlocpp, options, order);
             std::erase(expected.clusters_per_iteration, 2u);  // the last work group's round
             CHECK(result.stats.clusters_per_iteration == expected.clusters_per_iteration);
@@ -107,7 +107,7 @@ TEST_CASE("plocpp: the tree and its rounds are the oracle's at sizes around chun
 TEST_CASE("plocpp: one work group takes over at the threshold, not before") {
     for (const Shape shape : kBothShapes) {
         BuildOptions options = options_of(shape);
-        options.single_group_threshold = 1000;
+        options.ploc.single_group_threshold = 1000;
         for (const std::uint32_t size : {999u, 1000u, 1001u, 5000u}) {
             INFO(to_string(shape) << ", " << size);
             const MortonOrder order = random_order(size);
@@ -127,7 +127,7 @@ TEST_CASE("plocpp: the tree is the same wherever the last work group takes over"
         for (const std::uint32_t threshold : {2u, 3u, 50u, 960u, 961u, 2999u, 3000u}) {
             INFO(to_string(shape) << ", threshold " << threshold);
             BuildOptions options = options_of(shape);
-            options.single_group_threshold = threshold;
+            options.ploc.single_group_threshold = threshold;
             expect_cluster_tree(run_cluster(device::kPlocpp, options, order), expected);
         }
     }
@@ -138,7 +138,7 @@ TEST_CASE("plocpp: as many pieces as a large device takes") {
     const OracleTree expected = ploc_tree(order, 4, Comparison::packed);
     for (const Shape shape : kBothShapes) {
         BuildOptions options = small_chunks(shape, 4);
-        options.work_group_size = 128;
+        options.ploc.work_group_size = 128;
         expect_cluster_tree(run_cluster(device::kPlocpp, large_device_settings(options), order), expected);
     }
 }

@@ -15,7 +15,7 @@ constexpr std::uint32_t kRadius = 16;
 
 BuildOptions options_with_ranges(Shape shape, std::uint32_t range_count) {
     BuildOptions options = options_of(shape, kRadius);
-    options.range_count = range_count;
+    options.ploc.range_count = range_count;
     return options;
 }
 
@@ -25,13 +25,14 @@ using RangeBegins = std::vector<std::uint32_t>;
 RangeBegins run_extract_ranges(const BuildOptions& options, const std::vector<std::uint64_t>& codes) {
     StageBench bench(options, codes.size());
     write(bench.buffers.codes, codes);
-    const std::uint32_t most = 2 * options.range_count;
+    const std::uint32_t most = 2 * options.ploc.range_count;
     const std::string defines = bench.settings.search_defines() + " -D MAX_RANGES=" + std::to_string(most);
     device::Kernel& kernel =
         bench.session.kernel("plocpp_two_level.cl", "extract_ranges", bench.settings.cluster_group_size, defines);
     const cl::Buffer begins(bench.session.context(), CL_MEM_READ_WRITE, sizeof(cl_uint) * (most + 1));
     const cl::Buffer total(bench.session.context(), CL_MEM_READ_WRITE, sizeof(cl_uint));
-    bench.launcher.launch(kernel, 1, bench.buffers.codes, bench.buffers.leaf_count, options.range_count, begins, total);
+    bench.launcher.launch(kernel, 1, bench.buffers.codes, bench.buffers.leaf_count, options.ploc.range_count, begins,
+                          total);
     const std::uint32_t count = bench.launcher.read_uint(total);
     REQUIRE(count <= most);
     return read<std::uint32_t>(begins, count + 1);

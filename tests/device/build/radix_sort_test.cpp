@@ -82,8 +82,8 @@ void upload_pairs(const device::BuildBuffers& buffers, const Codes& codes) {
 
 BuildOptions sort_options(Shape shape, std::uint32_t code_bits) {
     BuildOptions options = options_of(shape);
-    options.sort_shape = shape;
-    options.code_bits = code_bits;
+    options.device.sort_shape = shape;
+    options.device.code_bits = code_bits;
     return options;
 }
 

@@ -20,8 +20,12 @@ cl::Buffer upload(const device::Session& session, const void* data, std::size_t 
 
 }  // namespace
 
+device::DeviceConfigs all_configs(const BuildOptions& options) {
+    return {.device = options.device, .ploc = options.ploc, .hploc = options.hploc};
+}
+
 device::BuildSettings settings_of(const BuildOptions& options) {
-    return device::resolve_settings(options, shared_context().session());
+    return device::resolve_settings(all_configs(options), shared_context().session());
 }
 
 device::BuildSettings large_device_settings(const BuildOptions& options) {

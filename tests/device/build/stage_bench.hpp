@@ -11,6 +11,9 @@ namespace clbvh::test {
 
 inline constexpr std::array kBothShapes{Shape::group, Shape::lane};
 
+/// What `options` say of all device builders.
+[[nodiscard]] device::DeviceConfigs all_configs(const BuildOptions& options);
+
 /// `options` made definite for the shared device.
 [[nodiscard]] device::BuildSettings settings_of(const BuildOptions& options);
 

@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "device/build/build_settings.hpp"
+#include "device/build/stage_bench.hpp"
 #include "io/temp_folder.hpp"
 #include "support/builders.hpp"
 #include "support/environment_variable.hpp"
@@ -53,12 +53,12 @@ private:
 
 BuildSettings resolve(const BuildOptions& options, DeviceInfo info = shared_context().device()) {
     Session session(info);
-    return device::resolve_settings(options, session);
+    return device::resolve_settings(all_configs(options), session);
 }
 
 BuildOptions in_shape(Shape shape) {
     BuildOptions options;
-    options.shape = shape;
+    options.device.shape = shape;
     return options;
 }
 
@@ -186,18 +186,19 @@ TEST_CASE("profile: it stands in for automatic options, and given ones win") {
     CHECK(resolve(in_shape(Shape::group)).range_count == group_before.range_count);
 
     BuildOptions given = in_shape(Shape::lane);
-    given.chunk_size = 448;
-    given.sort_shape = Shape::lane;
-    given.single_group_threshold = 2000;
+    given.ploc.chunk_size = 448;
+    given.device.sort_shape = Shape::lane;
+    given.ploc.single_group_threshold = 2000;
     CHECK(resolve(given).lane_chunk_size == 448);
     CHECK(resolve(given).sort_shape == Shape::lane);
     CHECK(resolve(given).single_group_threshold == 2000);
     given = in_shape(Shape::group);
-    given.work_group_size = 256;
+    given.ploc.work_group_size = 256;
     CHECK(resolve(given).cluster_group_size == 256);
 
     Session without(shared_context().device(), {ProgramCaching::automatic, false});
-    CHECK(device::resolve_settings(in_shape(Shape::lane), without).lane_chunk_size == lane_before.lane_chunk_size);
+    CHECK(device::resolve_settings(all_configs(in_shape(Shape::lane)), without).lane_chunk_size ==
+          lane_before.lane_chunk_size);
 }
 
 TEST_CASE("profile: what does not fit the device or the radius gives way to the default") {
@@ -205,7 +206,7 @@ TEST_CASE("profile: what does not fit the device or the radius gives way to the 
     DeviceInfo small = shared_context().device();
     small.local_memory_bytes = 64 << 10;
     BuildOptions group = in_shape(Shape::group);
-    group.search_radius = 32;
+    group.ploc.search_radius = 32;
     BuildOptions lane = in_shape(Shape::lane);
     const BuildSettings group_before = resolve(group, small);
     const BuildSettings lane_before = resolve(lane, small);

@@ -7,10 +7,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "clbvh/catalog.hpp"
 #include "clbvh/core/validate.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
-#include "clbvh/optimizers.hpp"
 #include "support/builders.hpp"
 #include "support/expect_error.hpp"
 #include "support/meshes.hpp"

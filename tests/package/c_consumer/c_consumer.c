@@ -12,7 +12,7 @@ int main(void) {
     uint64_t count = 0;
     int failed = 1;
     if (clbvh_version() != CLBVH_VERSION_NUMBER || strcmp(clbvh_version_string(), CLBVH_VERSION_STRING) != 0) return 2;
-    if (clbvh_create_builder("sweep-sah", 0, 0, &builder) == CLBVH_OK &&
+    if (clbvh_create_builder("sweep-sah", 0, &builder) == CLBVH_OK &&
         clbvh_build(builder, vertices, 3, triangle, 1) == CLBVH_OK) {
         const clbvh_node* nodes = clbvh_nodes(builder, &count);
         failed = count != 2 || nodes[0].count != 1;

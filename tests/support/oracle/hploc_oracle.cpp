@@ -23,7 +23,7 @@ Node make_node(const Aabb& box, std::uint32_t first, std::uint32_t count) {
 
 class HplocOracle {
 public:
-    HplocOracle(const MortonOrder& order, const HplocOracleOptions& options, std::vector<Node>& nodes)
+    HplocOracle(const MortonOrder& order, const HplocConfig& options, std::vector<Node>& nodes)
         : order_(order), options_(options), nodes_(nodes) {}
 
     /// The clusters that the node of the Morton tree over [begin, end) leaves.
@@ -37,7 +37,7 @@ public:
         number_places(clusters);
         while (clusters.size() > kept) {
             merge_mutual_pairs(clusters);
-            if (options_.window > 0) number_places(clusters);
+            if (options_.search_radius > 0) number_places(clusters);
         }
         return clusters;
     }
@@ -61,7 +61,7 @@ private:
     }
 
     [[nodiscard]] std::size_t nearest(const Clusters& clusters, std::size_t i) const {
-        const std::size_t reach = options_.window > 0 ? options_.window : clusters.size();
+        const std::size_t reach = options_.search_radius > 0 ? options_.search_radius : clusters.size();
         std::size_t best = i;
         for (std::size_t j = i - std::min(i, reach); j < std::min(i + reach + 1, clusters.size()); ++j) {
             if (j != i && (best == i || key(clusters, i, j) < key(clusters, i, best))) best = j;
@@ -93,24 +93,13 @@ private:
     }
 
     const MortonOrder& order_;
-    HplocOracleOptions options_;
+    HplocConfig options_;
     std::vector<Node>& nodes_;
 };
 
 }  // namespace
 
-HplocOracleOptions hploc_oracle_options(const BuildOptions& options) {
-    HplocOracleOptions chosen;
-    if (options.hploc_quality == HplocQuality::fast) chosen.small_range = 256;
-    if (options.cluster_limit != 0) chosen.cluster_limit = options.cluster_limit;
-    if (options.small_range != 0) chosen.small_range = options.small_range;
-    if (options.small_limit != 0) chosen.small_limit = options.small_limit;
-    chosen.merge_pairs = options.merge_pairs != PairMerging::off;
-    if (options.hploc_search == HplocSearch::window) chosen.window = std::min(options.search_radius, 31u);
-    return chosen;
-}
-
-OracleTree hploc_tree(const MortonOrder& order, const HplocOracleOptions& options) {
+OracleTree hploc_tree(const MortonOrder& order, const HplocConfig& options) {
     OracleTree tree = empty_tree(order);
     if (order.ids.empty()) return tree;
     HplocOracle oracle(order, options, tree.bvh.nodes);

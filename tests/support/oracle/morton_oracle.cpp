@@ -10,7 +10,6 @@ namespace clbvh::test {
 namespace {
 
 constexpr std::uint32_t kCodeBits = 63;
-constexpr std::uint32_t kDefaultCodeBits = 44;
 constexpr std::size_t kSizeChannel = 3;
 
 /// Which channel each bit of a code comes from, the most significant first: an axis, or the primitive's size.
@@ -145,7 +144,7 @@ MortonOrder morton_order(const Mesh& mesh, MortonCode code, std::uint32_t code_b
     const ActivePrimitives active = active_primitives(mesh);
     std::vector<std::uint64_t> codes = morton_codes(active.bounds, code);
     if (code_bits != kCodeBits) {
-        codes = packed_keys(codes, active.ids, mesh.triangles.size(), code_bits == 0 ? kDefaultCodeBits : code_bits);
+        codes = packed_keys(codes, active.ids, mesh.triangles.size(), code_bits);
     }
     std::vector<std::size_t> order(codes.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -162,8 +161,7 @@ MortonOrder morton_order(const Mesh& mesh, MortonCode code, std::uint32_t code_b
 }
 
 MortonOrder morton_order(const Mesh& mesh, const BuildOptions& options) {
-    const bool is_fast = options.code_bits == 0 && options.hploc_quality == HplocQuality::fast;
-    return morton_order(mesh, options.morton_code, is_fast ? 33 : options.code_bits);
+    return morton_order(mesh, options.device.morton_code, options.device.code_bits);
 }
 
 }  // namespace clbvh::test

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/options.hpp"
 
 namespace clbvh::test {
 
@@ -42,8 +42,8 @@ struct MortonOrder {
     std::uint64_t primitive_count = 0;  ///< Inactive ones included.
 };
 
-/// `code_bits` as in BuildOptions.
-[[nodiscard]] MortonOrder morton_order(const Mesh& mesh, MortonCode code, std::uint32_t code_bits = 0);
+/// `code_bits` as in DeviceConfig.
+[[nodiscard]] MortonOrder morton_order(const Mesh& mesh, MortonCode code, std::uint32_t code_bits = 44);
 /// The order that device builders with these options documentedly sort by.
 [[nodiscard]] MortonOrder morton_order(const Mesh& mesh, const BuildOptions& options);
 

@@ -203,14 +203,14 @@ OracleTree lbvh_tree(const MortonOrder& order) {
 }
 
 OracleTree oracle_tree(std::string_view builder_id, const MortonOrder& order, const BuildOptions& options) {
-    const bool exact = builder_id == "ploc" || options.neighbour_encoding == NeighbourEncoding::bits64;
+    const bool exact = builder_id == "ploc" || options.ploc.neighbour_encoding == NeighbourEncoding::bits64;
     const Comparison comparison = exact ? Comparison::exact : Comparison::packed;
-    if (builder_id == "ploc" || builder_id == "plocpp") return ploc_tree(order, options.search_radius, comparison);
-    if (builder_id == "plocpp-two-level" && options.range_count > 0) {
-        return two_level_tree(order, options.search_radius, comparison, options.range_count);
+    if (builder_id == "ploc" || builder_id == "plocpp") return ploc_tree(order, options.ploc.search_radius, comparison);
+    if (builder_id == "plocpp-two-level" && options.ploc.range_count > 0) {
+        return two_level_tree(order, options.ploc.search_radius, comparison, options.ploc.range_count);
     }
     if (builder_id == "lbvh") return lbvh_tree(order);
-    if (builder_id == "hploc") return hploc_tree(order, hploc_oracle_options(options));
+    if (builder_id == "hploc") return hploc_tree(order, options.hploc);
     throw std::logic_error("no oracle for builder " + std::string(builder_id) + " with these options");
 }
 

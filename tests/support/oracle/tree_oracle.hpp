@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "clbvh/core/build_options.hpp"
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/options.hpp"
 #include "support/oracle/morton_oracle.hpp"
 
 namespace clbvh::test {

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <clbvh/presets.hpp>
-#include <clbvh/registry.hpp>
+#include <clbvh/catalog.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>

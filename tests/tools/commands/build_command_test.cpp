@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
+#include <clbvh/catalog.hpp>
 #include <clbvh/core/validate.hpp>
 #include <clbvh/io/bvh_file.hpp>
 #include <clbvh/io/scene.hpp>
 #include <clbvh/metrics/sah.hpp>
-#include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
@@ -70,7 +70,8 @@ TEST_CASE("build describes what every builder did") {
         CHECK(result["triangles"] == 3000);
         CHECK(result["builder"] == builder.id);
         CHECK(result["kind"] == (builder.kind == BuilderKind::device ? "device" : "host"));
-        if (builder.kind == BuilderKind::device) CHECK(result["radius"] == (reads_search_radius(builder, {}) ? 8 : 0));
+        if (builder.kind == BuilderKind::device)
+            CHECK(result["radius"] == (reads_option(builder.id, "ploc.search_radius") ? 8 : 0));
         CHECK(result["valid"] == true);
         CHECK(result["first_build_ms"].get<double>() > 0.0);
     }
@@ -282,42 +283,43 @@ TEST_CASE("build's JSON holds the options that were in force") {
     };
     const ordered_json plain = options_with({});
     CHECK(plain["inner_cost"].dump() == "1.2");
-    CHECK(plain["split_alpha"].dump() == "1e-05");
+    CHECK(plain["sbvh.alpha"].dump() == "1e-05");
     CHECK(plain["max_leaf_size"] == 0);
-    CHECK(plain["morton_code"] == "xyz");
+    CHECK(plain["device.morton_code"] == "xyz");
     const std::vector<std::tuple<const char*, ordered_json, Words>> cases{
         {"inner_cost", 2.5, {"--inner-cost", "2.5"}},
         {"primitive_cost", 0.5, {"--primitive-cost", "0.5"}},
         {"max_leaf_size", 7, {"--max-leaf", "7"}},
-        {"bin_count", 9, {"--bins", "9"}},
-        {"bin_longest_axis_only", true, {"--longest-axis"}},
-        {"split_alpha", 0.25, {"--alpha", "0.25"}},
-        {"reference_budget", 1.5, {"--budget", "1.5"}},
+        {"binned_sah.longest_axis_only", true, {"--longest-axis"}},
+        {"sbvh.alpha", 0.25, {"--alpha", "0.25"}},
+        {"sbvh.reference_budget", 1.5, {"--budget", "1.5"}},
         {"presplit_level", 14, {"--presplit"}},
         {"split_quota", 0.3, {"--split-quota"}},
         {"optimizers", "rotate", {"--optimize", "rotate"}},
         {"optimize_passes", 3, {"--optimize-passes", "3"}},
         {"optimize_on", "device", {"--optimize-on", "device"}},
         {"thread_count", 1, {"--threads", "1"}},
-        {"search_radius", 9, {"--radius", "9"}},
-        {"shape", "lane", {"--shape", "lane"}},
-        {"sort_shape", "group", {"--sort-shape", "group"}},
-        {"morton_code", "extended", {"--morton", "extended"}},
-        {"code_bits", 33, {"--code-bits", "33"}},
-        {"neighbour_encoding", "bits64", {"--encoding", "bits64"}},
-        {"neighbour_search", "scan", {"--search", "scan"}},
-        {"single_group_threshold", 512, {"--threshold", "512"}},
-        {"chunk_size", 128, {"--chunk", "128"}},
-        {"work_group_size", 64, {"--work-group", "64"}},
-        {"range_count", 3, {"--ranges", "3"}},
-        {"hploc_quality", "fast", {"--quality", "fast"}},
-        {"hploc_search", "window", {"--hploc-search", "window"}},
-        {"cluster_limit", 8, {"--cluster-limit", "8"}},
-        {"small_range", 32, {"--small-range", "32"}},
-        {"small_limit", 4, {"--small-limit", "4"}},
-        {"merge_pairs", "off", {"--merge-pairs", "off"}},
+        {"ploc.search_radius", 9, {"--radius", "9"}},
+        {"device.shape", "lane", {"--shape", "lane"}},
+        {"device.sort_shape", "group", {"--sort-shape", "group"}},
+        {"device.morton_code", "extended", {"--morton", "extended"}},
+        {"device.code_bits", 33, {"--code-bits", "33"}},
+        {"ploc.neighbour_encoding", "bits64", {"--encoding", "bits64"}},
+        {"ploc.neighbour_search", "scan", {"--search", "scan"}},
+        {"ploc.single_group_threshold", 512, {"--threshold", "512"}},
+        {"ploc.chunk_size", 128, {"--chunk", "128"}},
+        {"ploc.work_group_size", 64, {"--work-group", "64"}},
+        {"ploc.range_count", 3, {"--ranges", "3"}},
+        {"hploc.search_radius", 7, {"--hploc-radius", "7"}},
+        {"hploc.cluster_limit", 8, {"--cluster-limit", "8"}},
+        {"hploc.small_range", 32, {"--small-range", "32"}},
+        {"hploc.small_limit", 4, {"--small-limit", "4"}},
+        {"hploc.merge_pairs", false, {"--merge-pairs", "off"}},
     };
-    CHECK(cases.size() == plain.size());
+    const ordered_json bins = options_with({"--bins", "9"});
+    for (const char* const name : {"binned_sah.bin_count", "sbvh.bin_count", "sbvh.spatial_bin_count"})
+        CHECK(bins.at(name) == 9);
+    CHECK(cases.size() + 3 == plain.size());
     for (const auto& [name, value, words] : cases) {
         INFO(name);
         ordered_json expected = plain;

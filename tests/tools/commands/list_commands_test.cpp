@@ -1,9 +1,8 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <clbvh/catalog.hpp>
 #include <clbvh/device/device.hpp>
 #include <clbvh/io/scene.hpp>
-#include <clbvh/optimizers.hpp>
-#include <clbvh/presets.hpp>
-#include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -39,7 +38,10 @@ TEST_CASE("builders lists the table of builders") {
         CHECK(list[i]["title"] == builder.title);
         CHECK(list[i]["paper"] == builder.paper);
         CHECK(list[i]["kind"] == (builder.kind == BuilderKind::device ? "device" : "host"));
-        CHECK(list[i]["uses_search_radius"] == builder.uses_search_radius);
+        for (const OptionInfo& option : options()) {
+            const bool is_listed = std::ranges::count(list[i]["options"], option.name) > 0;
+            CHECK(is_listed == (option.readers != "all" && reads_option(builder.id, option.name)));
+        }
         CHECK(list[i]["available"] == true);
         CHECK_THAT(table.out, Contains(std::string(builder.id)) && Contains(std::string(builder.title)));
     }
@@ -97,6 +99,27 @@ TEST_CASE("without a device, builders says which of them cannot run, and why") {
     CHECK_THAT(run_tool({"builders"}).out, !Contains("not available: "));
 }
 
+TEST_CASE("options lists the table of options") {
+    const ordered_json list = json_of("options")["options"];
+    const Outcome table = run_tool({"options"});
+    REQUIRE(list.size() == options().size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        const OptionInfo& option = options()[i];
+        CHECK(list[i]["name"] == option.name);
+        CHECK(list[i]["flag"] == option.flag);
+        CHECK(list[i]["values"] == option.values);
+        CHECK(list[i]["default"] == option.default_value);
+        CHECK(list[i]["readers"] == option.readers);
+        CHECK(list[i]["help"] == option.help);
+        CHECK_THAT(table.out, Contains(std::string(option.name)) && Contains(std::string(option.flag)));
+    }
+}
+
+TEST_CASE("the page of options ends with the table as it is") {
+    const std::string page = read_text(CLBVH_DOCS "/options.md");
+    CHECK_THAT(page, Catch::Matchers::EndsWith(run_tool({"options", "--markdown"}).out));
+}
+
 TEST_CASE("scenes lists the generators") {
     const ordered_json document = json_of("scenes");
     const Outcome table = run_tool({"scenes"});
@@ -140,7 +163,7 @@ TEST_CASE("a machine without OpenCL devices is told what to install") {
 
 TEST_CASE("JSON in a file is the same as on standard output, beside the text for people") {
     const ScratchFolder folder;
-    for (const std::string command : {"devices", "builders", "scenes"}) {
+    for (const std::string command : {"devices", "builders", "options", "scenes"}) {
         const std::string path = folder.path(command + ".json");
         const Outcome outcome = run_tool({command, "--json", path});
         CHECK(outcome.exit_code == 0);

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
+#include <clbvh/catalog.hpp>
 #include <clbvh/core/error.hpp>
-#include <clbvh/registry.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -64,11 +64,11 @@ TEST_CASE("every option of a sweep is in its range, and changes the options") {
         for (const std::uint32_t value : sweep.values) {
             INFO(name << " " << value);
             BuildOptions options;
-            sweep.set(options, value);
+            set_swept(sweep, options, value);
             CHECK_NOTHROW(check_options(options));
-            CHECK(options.search_radius == (name == "radius" ? value : BuildOptions{}.search_radius));
-            CHECK(options.chunk_size == (name == "chunk" ? value : 0));
-            CHECK(options.single_group_threshold == (name == "threshold" ? value : 0));
+            CHECK(options.ploc.search_radius == (name == "radius" ? value : BuildOptions{}.ploc.search_radius));
+            CHECK(options.ploc.chunk_size == (name == "chunk" ? value : 0));
+            CHECK(options.ploc.single_group_threshold == (name == "threshold" ? value : 0));
         }
     }
 }
@@ -78,28 +78,17 @@ TEST_CASE("a sweep runs those builders of a group that read its option") {
          {std::pair{"threshold", Words{"plocpp"}}, std::pair{"size", Words{"lbvh", "plocpp"}}}) {
         BuilderChoice choice;
         choice.ids = {"lbvh", "plocpp"};
-        keep_readers(find_sweep(name), {}, choice);
+        keep_readers(find_sweep(name), choice);
         CHECK(choice.ids == kept);
         CHECK_FALSE(choice.ids.empty());
     }
     BuilderChoice named;
     named.ids = named.named_ids = {"plocpp", "lbvh"};
-    CHECK_THROWS_WITH(keep_readers(find_sweep("radius"), {}, named),
+    CHECK_THROWS_WITH(keep_readers(find_sweep("radius"), named),
                       Contains("lbvh does not read --radius") && Contains("ploc"));
-    // H-PLOC compares all clusters of a node, so that a radius would change nothing, unless told to search a window.
-    BuildOptions window;
-    window.hploc_search = HplocSearch::window;
-    for (const auto& [options, kept] :
-         {std::pair{BuildOptions{}, Words{"ploc"}}, std::pair{window, Words{"ploc", "hploc"}}}) {
-        BuilderChoice choice;
-        choice.ids = {"ploc", "hploc"};
-        keep_readers(find_sweep("radius"), options, choice);
-        CHECK(choice.ids == kept);
-    }
     BuilderChoice host;
     host.ids = {"median"};
-    CHECK_THROWS_WITH(keep_readers(find_sweep("chunk"), {}, host),
-                      Contains("no builder that can run here reads --chunk"));
+    CHECK_THROWS_WITH(keep_readers(find_sweep("chunk"), host), Contains("no builder that can run here reads --chunk"));
 }
 
 TEST_CASE("a sweep over an option builds with each of its values") {
@@ -107,7 +96,7 @@ TEST_CASE("a sweep over an option builds with each of its values") {
     BenchSettings settings;
     settings.builders = {"plocpp", "ploc"};
     settings.runs = 1;
-    settings.options.shape = Shape::lane;
+    settings.options.device.shape = Shape::lane;
     settings.context = Context::open();
     const std::vector<std::pair<std::string, Values>> sweeps{{"radius", {1, 8}}, {"chunk", {64, 512}}};
     for (const auto& [what, values] : sweeps) {

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <clbvh/builder.hpp>
+#include <clbvh/catalog.hpp>
 #include <clbvh/eval/cost_fit.hpp>
 #include <clbvh/host/collapse.hpp>
 #include <clbvh/io/scene.hpp>
@@ -11,7 +12,6 @@
 #include <clbvh/metrics/sah.hpp>
 #include <clbvh/metrics/tree_statistics.hpp>
 #include <clbvh/optimize/rotate.hpp>
-#include <clbvh/optimizers.hpp>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>

@@ -3,12 +3,14 @@
 
 #include <clbvh/version.h>
 #include <catch2/catch.hpp>
+#include <clbvh/options.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "tools/tool_process.hpp"
 
+using namespace clbvh;
 using namespace clbvh::test;
 using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
@@ -40,10 +42,9 @@ TEST_CASE("help names every command, and of each command every option") {
         CHECK_THAT(help.out, Contains("--json FILE"));
     }
     CHECK_THAT(run_tool({"render", "--help"}).out, Contains("-o,--output FILE") && Contains("--mode NAME"));
-    const Words shared{"--device",   "--radius",    "--shape",        "--morton",     "--encoding",
-                       "--search",   "--threshold", "--chunk",        "--work-group", "--ranges",
-                       "--max-leaf", "--presplit",  "--split-quota",  "--inner-cost", "--primitive-cost",
-                       "--threads",  "--bins",      "--longest-axis", "--alpha",      "--budget"};
+    Words shared{"--device"};
+    for (const OptionInfo& option : options())
+        shared.emplace_back(option.flag);
     for (const char* command : {"build", "bench"}) {
         const Outcome help = run_tool({command, "--help"});
         for (const std::string& option : shared)
@@ -95,16 +96,32 @@ TEST_CASE("help tells ranges, and what options mean to whom") {
         return words;
     };
     for (const char* command : {"build", "bench"}) {
-        CHECK_THAT(words_of_help(command),
-                   Contains("Largest leaf, 1 to 64: the builder's own where it makes leaves itself (binned-sah, "
-                            "sweep-sah, sbvh, aac, median); then leaves are merged") &&
-                       Contains("volume / 2^LEVEL, 1 to 40;") && Contains("Threads of the host's work, 1 to 1024;") &&
-                       Contains("finishes the tree, 2 to 1048576; ") &&
-                       Contains("an inner node, for building; reported SAH is always at 1.2 and 1.0") &&
-                       Contains("a primitive, for building; reported SAH is always at 1.2 and 1.0"));
+        CHECK_THAT(
+            words_of_help(command),
+            Contains("Largest leaf: the builder's own where it makes leaves itself (binned-sah, sweep-sah, sbvh, "
+                     "aac, median); then leaves are merged") &&
+                Contains("as the builder leaves them (0 to 64)") && Contains("0: all (0 to 1024)") &&
+                Contains("(2 to 64; binned-sah, sbvh)") && Contains("(finite and above 0)") &&
+                Contains("finishes the tree (2 to 1048576, or 0 to have it chosen; plocpp)") &&
+                Contains("an inner node, for building; reported SAH is always at 1.2 and 1.0") &&
+                Contains("a primitive, for building; reported SAH is always at 1.2 and 1.0"));
     }
     CHECK_THAT(words_of_help("build"), Contains("Builds twice and reports the second time"));
     CHECK_THAT(words_of_help("bench"), Contains("they take --max-leaf, --budget, the costs and --threads, no other"));
+}
+
+TEST_CASE("an option that no chosen builder reads is noted, and changes nothing") {
+    const Outcome unread =
+        run_tool({"build", "gen:soup:100", "--builder", "median", "--radius", "8", "--threads", "1"});
+    CHECK(unread.exit_code == 0);
+    CHECK_THAT(unread.err, StartsWith("clbvh: note: --radius changes nothing here") && !Contains("--threads"));
+    for (const Words& words :
+         {Words{"build", "gen:soup:100", "--builder", "sbvh", "--bins", "8"},
+          Words{"bench", "gen:soup:100", "--runs", "1", "--builders", "median,plocpp", "--radius", "8"}}) {
+        const Outcome read = run_tool(words);
+        CHECK(read.exit_code == 0);
+        CHECK_THAT(read.err, !Contains("note"));
+    }
 }
 
 TEST_CASE("standard output that cannot be written is an error") {

@@ -73,7 +73,7 @@ TEST_CASE("the trees of Embree's builders are valid, whatever the mesh and the o
 TEST_CASE("Embree's trees are worth what such trees are worth") {
     const Mesh mesh = load_scene("gen:hair:20000");
     BuildOptions options;
-    options.reference_budget = 1.5f;
+    options.sbvh.reference_budget = 1.5f;
     const auto peers = make_embree_peers(options, mesh);
     std::vector<Bvh> trees;
     for (const auto& peer : peers) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "core/check_field.hpp"
+
+namespace clbvh::host {
+
+inline constexpr std::uint32_t kMaxBinCount = 64;
+
+// What BinnedSahConfig and SbvhConfig take.
+inline constexpr WholeRule kBinCounts{.least = 2, .most = kMaxBinCount};
+inline constexpr RealRule kSplitAlphas{.least = 0.0f, .most = 1.0f};
+inline constexpr RealRule kReferenceBudgets{.least = 1.0f, .most = 8.0f};
+
+}  // namespace clbvh::host
