@@ -1,0 +1,17 @@
+# suite_per_file(TARGET PREFIX SOURCES...): a test of CTest for every *_test.cpp of TARGET, a program of Catch2's, which runs
+# the cases of that file and names those that fail. A process per case would start OpenCL and load the same kernels
+# hundreds of times. Files of the same name, in different rooms, share a test.
+function(suite_per_file target prefix)
+  set(suites)
+  foreach(source IN LISTS ARGN)
+    if(source MATCHES "([^/]+_test)\\.cpp$")
+      list(APPEND suites ${CMAKE_MATCH_1})
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES suites)
+  foreach(suite IN LISTS suites)
+    # Hidden cases, such as benchmarks, are run by hand. A file without a case is an error.
+    add_test(NAME ${prefix}${suite} COMMAND ${target} --filenames-as-tags "[#${suite}]~[.]" --warn NoTests)
+    set_tests_properties(${prefix}${suite} PROPERTIES ENVIRONMENT POCL_AFFINITY=1 TIMEOUT 600)
+  endforeach()
+endfunction()
