@@ -1,14 +1,16 @@
 # suite_per_file(TARGET PREFIX SOURCES...): a test of CTest for every *_test.cpp of TARGET, a program of Catch2's, which runs
 # the cases of that file and names those that fail. A process per case would start OpenCL and load the same kernels
-# hundreds of times. Files of the same name, in different rooms, share a test.
+# hundreds of times. Catch2 knows files by their names alone, so no two may have the same.
 function(suite_per_file target prefix)
   set(suites)
   foreach(source IN LISTS ARGN)
     if(source MATCHES "([^/]+_test)\\.cpp$")
+      if(CMAKE_MATCH_1 IN_LIST suites)
+        message(FATAL_ERROR "${target} has two files named ${CMAKE_MATCH_1}.cpp")
+      endif()
       list(APPEND suites ${CMAKE_MATCH_1})
     endif()
   endforeach()
-  list(REMOVE_DUPLICATES suites)
   foreach(suite IN LISTS suites)
     # Hidden cases, such as benchmarks, are run by hand. A file without a case is an error.
     add_test(NAME ${prefix}${suite} COMMAND ${target} --filenames-as-tags "[#${suite}]~[.]" --warn NoTests)
