@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "clbvh/catalog.hpp"
 #include "clbvh/core/build_stats.hpp"
@@ -19,7 +20,8 @@ class Context;
 ///     clbvh::Builder builder("plocpp");
 ///     clbvh::Bvh bvh = builder.build(mesh);
 ///
-/// build() is upload(), run() and download() in one call; the three apart let a caller time or repeat the middle.
+/// build() is upload(), run() and download() in one call; the three apart let a caller time or repeat the middle. A
+/// Mesh, a MeshView, a BoxView and a vector or span of Aabb may be given wherever it says Primitives.
 /// After any exception the builder can be used again. One thread at a time.
 class CLBVH_API Builder {
 public:
@@ -34,17 +36,24 @@ public:
     Builder& operator=(Builder&&) noexcept;
     ~Builder();
 
-    /// Uploads, runs, downloads. Fills `stats` where given.
-    [[nodiscard]] Bvh build(const Mesh& mesh, BuildStats* stats = nullptr);
+    /// Uploads, runs, downloads, and lets go of the primitives. Fills `stats` where given.
+    [[nodiscard]] Bvh build(const Primitives& primitives, BuildStats* stats = nullptr);
 
-    /// Checks the mesh (throws what check_mesh throws, before any work) and copies it to where the builder runs. With
-    /// BuildOptions::presplit_level or split_quota its triangles are split first, which may be cancelled as run() may;
-    /// the time counts in the statistics of each run() over them.
-    void upload(const Mesh& mesh);
-    /// Builds from the uploaded mesh to a finished tree in the builder's own memory, and waits for it. With
-    /// BuildOptions::max_leaf_size, presplit_level or split_quota, the host finishes the tree: leaves name the uploaded
-    /// triangles, each once a leaf, and are merged where that lowers the SAH cost. Throws Error(invalid_input) where
-    /// nothing was uploaded, Error(cancelled) where the progress callback said no.
+    /// Checks triangles or boxes (throws what check_primitives throws, before any work) and makes them available where
+    /// the builder runs. Host builders and builders on CPU devices read the caller's arrays, without a copy: these must
+    /// stay as they are until the last run() over them has returned. Other devices get a copy. With
+    /// BuildOptions::presplit_level or split_quota triangles are split first, which may be cancelled as run() may; the
+    /// time counts in the statistics of each run() over them; boxes are then refused with Error(unsupported).
+    void upload(const Primitives& primitives);
+    /// The same, but the builder keeps the mesh, which may be a temporary, until the next upload.
+    void upload(Mesh&& mesh);
+    /// The same for boxes.
+    void upload(std::vector<Aabb>&& boxes);
+    /// Builds over the uploaded primitives to a finished tree in the builder's own memory, and waits for it; as often
+    /// as wanted. With BuildOptions::max_leaf_size, presplit_level or split_quota, the host finishes the tree: leaves
+    /// name the uploaded primitives, each once a leaf, and are merged where that lowers the SAH cost. Throws
+    /// Error(invalid_input) where nothing was uploaded (build() leaves nothing), Error(cancelled) where the progress
+    /// callback said no.
     BuildStats run();
     /// A copy of the last finished tree. Throws Error(invalid_input) where there is none.
     [[nodiscard]] Bvh download() const;
@@ -64,8 +73,8 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// One call from a host mesh to a tree, on the default device.
-[[nodiscard]] CLBVH_API Bvh build(const Mesh& mesh, std::string_view builder_id = "plocpp",
+/// One call from triangles or boxes of the host to a tree, on the default device.
+[[nodiscard]] CLBVH_API Bvh build(const Primitives& primitives, std::string_view builder_id = "plocpp",
                                   const BuildOptions& options = {}, BuildStats* stats = nullptr);
 
 }  // namespace clbvh

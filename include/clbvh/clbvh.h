@@ -87,10 +87,40 @@ CLBVH_API const clbvh_option* clbvh_option_info(uint32_t index);
 /** Destroys the builder and its tree; null is allowed. */
 CLBVH_API void clbvh_destroy_builder(clbvh_builder* builder);
 
-/** Builds over `triangle_count` triangles, three indices each, of `vertex_count` vertices, three floats each. After a
-    failure the builder holds no tree and can be used again. */
+/** Builds over `triangle_count` triangles, three indices each, of `vertex_count` vertices, three floats each, which are
+    read where they lie and not needed afterwards. After a failure the builder holds no tree and can be used again. */
 CLBVH_API clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t vertex_count,
                                   const uint32_t* triangles, uint64_t triangle_count);
+
+/** The type of one vertex index. */
+typedef enum clbvh_index_type { CLBVH_INDEX_UINT32 = 0, CLBVH_INDEX_UINT16 = 1 } clbvh_index_type;
+
+/** Triangles as they lie in the caller's memory; see clbvh::MeshView. Fill with zeros, then set `size` and what there
+    is. Later versions may append fields. */
+typedef struct clbvh_mesh_view {
+    uint32_t size;           /**< sizeof(clbvh_mesh_view) of the caller. */
+    uint32_t vertex_stride;  /**< Bytes from one vertex to the next, a multiple of 4, at least 12; 0: 12. */
+    const float* vertices;   /**< x y z of the first vertex. */
+    uint64_t vertex_count;   /**< Every index is below it. */
+    const void* indices;     /**< Three for each triangle; null: triangle i has the vertices 3i, 3i + 1, 3i + 2. */
+    uint64_t triangle_count; /**< Triangles. */
+    uint32_t index_type;     /**< A clbvh_index_type. */
+    uint32_t index_stride;   /**< Bytes from one triangle's first index to the next one's; 0: three indices. */
+} clbvh_mesh_view;
+
+/** Boxes as they lie in the caller's memory; see clbvh::BoxView. Fill with zeros, then set `size` and what there is.
+    Later versions may append fields. */
+typedef struct clbvh_box_view {
+    uint32_t size;      /**< sizeof(clbvh_box_view) of the caller. */
+    uint32_t stride;    /**< Bytes from one box to the next, a multiple of 4, at least 24; 0: 24. */
+    const float* boxes; /**< Lower x y z and upper x y z of the first box. */
+    uint64_t count;     /**< Boxes. */
+} clbvh_box_view;
+
+/** As clbvh_build, over triangles that lie in any way. */
+CLBVH_API clbvh_error clbvh_build_mesh(clbvh_builder* builder, const clbvh_mesh_view* mesh);
+/** As clbvh_build, over boxes, for primitives that are not triangles. */
+CLBVH_API clbvh_error clbvh_build_boxes(clbvh_builder* builder, const clbvh_box_view* boxes);
 
 /** When clbvh_optimize stops at the latest; fill with zeros, then set `size`. Later versions may append fields. */
 typedef struct clbvh_budget {
@@ -128,6 +158,18 @@ CLBVH_API clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, co
 CLBVH_API clbvh_error clbvh_refit(clbvh_builder* builder, const float* vertices, uint64_t vertex_count,
                                   const uint32_t* triangles, uint64_t triangle_count, double* sah_before,
                                   double* sah_after);
+/** As clbvh_refit, with triangles that lie in any way. */
+CLBVH_API clbvh_error clbvh_refit_mesh(clbvh_builder* builder, const clbvh_mesh_view* mesh, double* sah_before,
+                                       double* sah_after);
+/** As clbvh_refit, of a tree over boxes. */
+CLBVH_API clbvh_error clbvh_refit_boxes(clbvh_builder* builder, const clbvh_box_view* boxes, double* sah_before,
+                                        double* sah_after);
+
+/** Proves that the builder's tree is a correct one over the triangles, see clbvh::validate. CLBVH_INVALID_INPUT where
+   it is not, and clbvh_last_error says why. */
+CLBVH_API clbvh_error clbvh_validate_mesh(const clbvh_builder* builder, const clbvh_mesh_view* mesh);
+/** The same for a tree over boxes. */
+CLBVH_API clbvh_error clbvh_validate_boxes(const clbvh_builder* builder, const clbvh_box_view* boxes);
 
 /** The tree of the last clbvh_build, valid until the next, or the next clbvh_optimize or clbvh_refit, which change it;
     `*count` becomes its length. Null and 0 where there is none. */

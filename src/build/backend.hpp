@@ -4,10 +4,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "catalog/builder_rows.hpp"
 #include "clbvh/core/bvh.hpp"
-#include "clbvh/core/mesh.hpp"
+#include "clbvh/core/primitives.hpp"
 #include "clbvh/device/context.hpp"
 #include "clbvh/options.hpp"
 
@@ -18,13 +19,19 @@ class Backend {
 public:
     virtual ~Backend() = default;
 
-    /// Takes a copy of a mesh that check_mesh has passed, with `active_count` active triangles.
-    virtual void upload(const Mesh& mesh, std::uint64_t active_count) = 0;
-    /// The same for parts of triangles, all of them active: `boxes` has a triangle for each that stands for its box,
-    /// and `triangles` the whole triangle that it is a part of. Both may be referred to until the next upload.
-    virtual void upload_parts(const Mesh& boxes, const Mesh& triangles) = 0;
-    /// Builds from the uploaded mesh, and keeps the tree.
+    /// What run() builds over.
+    struct Input {
+        Primitives primitives;           ///< Passed by check_primitives. They stay as they are until the next upload.
+        std::uint64_t active_count = 0;  ///< Those of them that are active.
+        std::optional<MeshView> cut;     ///< Boxes: the triangle that each one holds a part of, where that is known.
+    };
+
+    /// Makes the input available where the builder runs.
+    virtual void upload(const Input& input) = 0;
+    /// Builds over what was uploaded, and keeps the tree.
     virtual BuildStats run() = 0;
+    /// Lets go of what was uploaded; the tree stays.
+    virtual void release_input() = 0;
     /// A copy of the tree of the last run.
     [[nodiscard]] virtual Bvh download() const = 0;
     /// The tree of the last run on the host, without holes, for the caller to work on: it is then no longer to be

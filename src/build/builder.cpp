@@ -2,7 +2,9 @@
 
 #include <tbb/task_arena.h>
 
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "build/backend.hpp"
 #include "build/finish_stage.hpp"
@@ -66,6 +68,12 @@ BuildOptions options_of_builder(const BuildOptions& options) {
     return result;
 }
 
+[[noreturn]] void refuse_to_split_boxes(const BuildOptions& options) {
+    throw Error(ErrorCode::unsupported, std::string(options.split_quota > 0.0f ? "split_quota" : "presplit_level") +
+                                            " splits triangles, but boxes were given: leave it 0, or take the builder "
+                                            "sbvh, which splits boxes as well");
+}
+
 }  // namespace
 
 struct CLBVH_NO_EXPORT Builder::State {
@@ -85,7 +93,8 @@ struct CLBVH_NO_EXPORT Builder::State {
         }
     }
 
-    void upload(const Mesh& mesh);
+    void upload(const Primitives& primitives);
+    void release_input();
     BuildStats run();
 
     [[nodiscard]] bool is_presplit() const noexcept { return needs_splitting(options); }
@@ -102,8 +111,10 @@ struct CLBVH_NO_EXPORT Builder::State {
     FinishStage finish{options};
     std::uint64_t primitive_count = 0;
     std::uint64_t inactive_primitives = 0;
+    Mesh owned_mesh;  // what upload() was given to keep
+    std::vector<Aabb> owned_boxes;
     bool uploaded = false;
-    bool finished = false;  // the backend holds a tree over its mesh
+    bool finished = false;  // the backend holds a tree over its primitives
 };
 
 Builder::Builder(std::string_view builder_id, const BuildOptions& options)
@@ -116,18 +127,27 @@ Builder::Builder(Builder&&) noexcept = default;
 Builder& Builder::operator=(Builder&&) noexcept = default;
 Builder::~Builder() = default;
 
-void Builder::State::upload(const Mesh& mesh) {
-    inactive_primitives = arena.execute([&] { return check_mesh(mesh); });
-    primitive_count = mesh.triangles.size();
+void Builder::State::upload(const Primitives& primitives) {
     finished = false;
     uploaded = false;
+    const auto* const mesh = std::get_if<MeshView>(&primitives);
+    if (is_presplit() && mesh == nullptr) refuse_to_split_boxes(options);
+    inactive_primitives = arena.execute([&] { return check_primitives(primitives); });
+    primitive_count = count_of(primitives);
     if (is_presplit()) {
-        arena.execute([&] { presplit.run(mesh, share_of_builder(options).begin); });
-        backend->upload_parts(presplit.boxes(), presplit.triangles());
+        arena.execute([&] { presplit.run(*mesh, share_of_builder(options).begin); });
+        backend->upload({BoxView(presplit.boxes()), presplit.boxes().size(), presplit.triangles()});
     } else {
-        backend->upload(mesh, primitive_count - inactive_primitives);
+        backend->upload({primitives, primitive_count - inactive_primitives, {}});
     }
     uploaded = true;
+}
+
+void Builder::State::release_input() {
+    uploaded = false;
+    backend->release_input();
+    owned_mesh = {};
+    owned_boxes = {};
 }
 
 BuildStats Builder::State::run() {
@@ -143,8 +163,22 @@ BuildStats Builder::State::run() {
     return stats;
 }
 
-void Builder::upload(const Mesh& mesh) {
-    with_memory_errors("a copy of the mesh", [&] { state_->upload(mesh); });
+void Builder::upload(const Primitives& primitives) {
+    with_memory_errors("the uploaded primitives", [&] { state_->upload(primitives); });
+    state_->owned_mesh = {};
+    state_->owned_boxes = {};
+}
+
+void Builder::upload(Mesh&& mesh) {
+    state_->release_input();
+    state_->owned_mesh = std::move(mesh);
+    with_memory_errors("the uploaded primitives", [&] { state_->upload(state_->owned_mesh); });
+}
+
+void Builder::upload(std::vector<Aabb>&& boxes) {
+    state_->release_input();
+    state_->owned_boxes = std::move(boxes);
+    with_memory_errors("the uploaded primitives", [&] { state_->upload(state_->owned_boxes); });
 }
 
 BuildStats Builder::run() {
@@ -164,8 +198,11 @@ Bvh Builder::download() const {
     });
 }
 
-Bvh Builder::build(const Mesh& mesh, BuildStats* stats) {
-    upload(mesh);
+Bvh Builder::build(const Primitives& primitives, BuildStats* stats) {
+    // Whatever happens, no view outlives the call.
+    const auto release = [](State* state) { state->release_input(); };
+    const std::unique_ptr<State, decltype(release)> guard(state_.get(), release);
+    upload(primitives);
     BuildStats result = run();
     if (stats != nullptr) {
         *stats = std::move(result);
@@ -192,8 +229,8 @@ Shape Builder::shape() const noexcept {
     return state_->backend->shape();
 }
 
-Bvh build(const Mesh& mesh, std::string_view builder_id, const BuildOptions& options, BuildStats* stats) {
-    return Builder(builder_id, options).build(mesh, stats);
+Bvh build(const Primitives& primitives, std::string_view builder_id, const BuildOptions& options, BuildStats* stats) {
+    return Builder(builder_id, options).build(primitives, stats);
 }
 
 }  // namespace clbvh

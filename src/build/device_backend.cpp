@@ -2,22 +2,13 @@
 #include "catalog/device_configs.hpp"
 #include "catalog/device_optimizers.hpp"
 #include "device/build/pipeline.hpp"
+#include "device/opencl/host_primitives.hpp"
 #include "device/opencl/session.hpp"
 
 namespace clbvh {
 namespace {
 
 using device::with_opencl_errors;
-
-// Uploads `bytes` from `data`; an empty array becomes a null buffer, which no kernel is given.
-cl::Buffer upload_array(device::Session& session, const void* data, std::size_t bytes) {
-    if (bytes == 0) {
-        return {};
-    }
-    cl::Buffer buffer(session.context(), CL_MEM_READ_ONLY, bytes);
-    session.queue().enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, data);
-    return buffer;
-}
 
 class DeviceBackend final : public Backend {
 public:
@@ -32,30 +23,28 @@ public:
         }
     }
 
-    void upload(const Mesh& mesh, std::uint64_t active_count) override {
+    void upload(const Input& input) override {
         device::Session& session = context_.session();
-        mesh_ = {};  // the memory of the mesh before is free again
-        const auto primitives = static_cast<std::uint32_t>(mesh.triangles.size());
+        mesh_ = {};  // the memory of what was uploaded before is free again
+        const auto primitives = static_cast<std::uint32_t>(count_of(input.primitives));
         if (primitives > 0) {
             device::check_allocations(session, device::plan_pipeline(algorithm_, settings_, primitives),
-                                      optimizers_.scratch_bytes(2 * static_cast<std::uint32_t>(active_count)));
+                                      optimizers_.scratch_bytes(2 * static_cast<std::uint32_t>(input.active_count)));
         }
-        device::DeviceMesh uploaded;
-        uploaded.primitive_count = primitives;
-        uploaded.active_count = static_cast<std::uint32_t>(active_count);
-        with_opencl_errors("uploading the mesh", [&] {
-            uploaded.vertices = upload_array(session, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
-            uploaded.triangles = upload_array(session, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+        mesh_ = with_opencl_errors("uploading the primitives", [&] {
+            return device::bind_primitives(session, input.primitives, input.active_count);
         });
-        mesh_ = uploaded;
+    }
+
+    void release_input() override {
+        mesh_.vertices = {};
+        mesh_.triangles = {};
     }
 
     BuildStats run() override {
         return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, memory_,
                                     optimizers_);
     }
-
-    void upload_parts(const Mesh& boxes, const Mesh&) override { upload(boxes, boxes.triangles.size()); }
 
     Bvh download() const override {
         Bvh bvh;

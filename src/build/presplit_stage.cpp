@@ -7,9 +7,9 @@
 
 namespace clbvh {
 
-void PresplitStage::run(const Mesh& mesh, double end) {
+void PresplitStage::run(const MeshView& mesh, double end) {
     host::HostStages stages(options_.progress);
-    stages.begin("presplit", 0.0, end, mesh.triangles.size());
+    stages.begin("presplit", 0.0, end, mesh.triangle_count);
     if (options_.split_quota > 0.0f) {
         host::split_to_quota(mesh, options_.split_quota, stages, parts_);
     } else {
@@ -17,19 +17,20 @@ void PresplitStage::run(const Mesh& mesh, double end) {
         config.level = options_.presplit_level;
         host::presplit(mesh, config, stages, parts_);
     }
-    if (row_.clips_triangles) {
-        triangles_.vertices = mesh.vertices;
-        triangles_.triangles.resize(parts_.source.size());
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parts_.source.size(), 8192), [&](const auto& range) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i)
-                triangles_.triangles[i] = mesh.triangles[parts_.source[i]];
-        });
-    }
+    if (row_.clips_triangles) name_triangles(mesh);
     stats_ = stages.finish();
-    stats_.peak_host_bytes = parts_.mesh.vertices.size() * sizeof(Vec3) + parts_.source.size() * sizeof(std::uint32_t) +
-                             (parts_.mesh.triangles.size() + triangles_.triangles.size()) * sizeof(Triangle);
-    if (options_.split_quota > 0.0f)
-        stats_.peak_host_bytes += mesh.triangles.size() * host::SplitPlan::kBytesPerTriangle;
+    stats_.peak_host_bytes = parts_.boxes.size() * sizeof(Aabb) + parts_.source.size() * sizeof(std::uint32_t) +
+                             indices_.size() * sizeof(Triangle);
+    if (options_.split_quota > 0.0f) stats_.peak_host_bytes += mesh.triangle_count * host::SplitPlan::kBytesPerTriangle;
+}
+
+void PresplitStage::name_triangles(const MeshView& mesh) {
+    indices_.resize(parts_.source.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, indices_.size(), 8192), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            indices_[i] = mesh.triangle(parts_.source[i]);
+    });
+    triangles_ = MeshView{mesh.vertices, mesh.vertex_count, mesh.vertex_stride, indices_.data(), indices_.size()};
 }
 
 void PresplitStage::book(BuildStats& stats) const {

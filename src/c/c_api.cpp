@@ -21,7 +21,6 @@ struct clbvh_builder {
     std::string text;                       // what clbvh_get_option returned last
     clbvh::Bvh bvh;
     bool has_tree = false;                    // which may be empty
-    clbvh::Mesh moved;                        // what clbvh_refit was given last; its memory is used again
     std::optional<clbvh::Refitter> refitter;  // for `bvh`, once it was refitted
 };
 
@@ -84,19 +83,32 @@ clbvh::OptimizeBudget to_budget(const clbvh_budget* given) {
     return result;
 }
 
-void copy_mesh(const float* vertices, std::uint64_t vertex_count, const std::uint32_t* triangles,
-               std::uint64_t triangle_count, clbvh::Mesh& mesh) {
+clbvh::MeshView to_view(const float* vertices, std::uint64_t vertex_count, const std::uint32_t* triangles,
+                        std::uint64_t triangle_count) {
     require(vertices != nullptr || vertex_count == 0, "vertices is null");
     require(triangles != nullptr || triangle_count == 0, "triangles is null");
-    static_assert(sizeof(clbvh::Vec3) == 3 * sizeof(float) && sizeof(clbvh::Triangle) == 3 * sizeof(std::uint32_t));
-    mesh.vertices.resize(vertex_count);
-    if (vertex_count > 0) {
-        std::memcpy(static_cast<void*>(mesh.vertices.data()), vertices, vertex_count * sizeof(clbvh::Vec3));
-    }
-    mesh.triangles.resize(triangle_count);
-    if (triangle_count > 0) {
-        std::memcpy(mesh.triangles.data(), triangles, triangle_count * sizeof(clbvh::Triangle));
-    }
+    return {vertices, vertex_count, sizeof(clbvh::Vec3), triangles, triangle_count};
+}
+
+clbvh::MeshView to_view(const clbvh_mesh_view* given) {
+    require(given != nullptr, "mesh is null");
+    require(given->size >= sizeof(clbvh_mesh_view), "clbvh_mesh_view.size is not set to sizeof(clbvh_mesh_view)");
+    require(given->index_type <= CLBVH_INDEX_UINT16, "clbvh_mesh_view.index_type is not 0 or 1");
+    clbvh::MeshView view{given->vertices, given->vertex_count};
+    if (given->vertex_stride != 0) view.vertex_stride = given->vertex_stride;
+    view.indices = given->indices;
+    view.triangle_count = given->triangle_count;
+    view.index_type = given->index_type == CLBVH_INDEX_UINT16 ? clbvh::IndexType::uint16 : clbvh::IndexType::uint32;
+    view.index_stride = given->index_stride;
+    return view;
+}
+
+clbvh::BoxView to_view(const clbvh_box_view* given) {
+    require(given != nullptr, "boxes is null");
+    require(given->size >= sizeof(clbvh_box_view), "clbvh_box_view.size is not set to sizeof(clbvh_box_view)");
+    clbvh::BoxView view{given->boxes, given->count};
+    if (given->stride != 0) view.stride = given->stride;
+    return view;
 }
 
 /// The builder with the options that were set last.
@@ -109,6 +121,41 @@ clbvh::Builder& builder_of(clbvh_builder& handle) {
         }
     }
     return *handle.builder;
+}
+
+/// `make_primitives()` is called where its failure leaves no tree.
+template <class MakePrimitives>
+clbvh_error build_over(clbvh_builder* builder, const MakePrimitives& make_primitives) noexcept {
+    return guarded([&] {
+        require(builder != nullptr, "builder is null");
+        builder->refitter.reset();
+        builder->bvh = {};
+        builder->has_tree = false;
+        builder->bvh = builder_of(*builder).build(make_primitives());
+        builder->has_tree = true;
+    });
+}
+
+template <class MakePrimitives>
+clbvh_error refit_to(clbvh_builder* builder, const MakePrimitives& make_primitives, double* sah_before,
+                     double* sah_after) noexcept {
+    return guarded([&] {
+        require_tree(builder);
+        const clbvh::Primitives primitives = make_primitives();
+        if (!builder->refitter) builder->refitter.emplace(builder->bvh);
+        const clbvh::RefitStats stats = builder->refitter->refit(builder->bvh, primitives);
+        if (sah_before != nullptr) *sah_before = stats.sah_before;
+        if (sah_after != nullptr) *sah_after = stats.sah_after;
+    });
+}
+
+template <class MakePrimitives>
+clbvh_error validate_over(const clbvh_builder* builder, const MakePrimitives& make_primitives) noexcept {
+    return guarded([&] {
+        require_tree(builder);
+        const clbvh::ValidationReport report = clbvh::validate(builder->bvh, make_primitives());
+        require(report.valid, report.error.c_str());
+    });
 }
 
 /// A row of the table of options, whose texts end with a zero.
@@ -198,16 +245,15 @@ void clbvh_destroy_builder(clbvh_builder* builder) {
 
 clbvh_error clbvh_build(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
                         uint64_t triangle_count) {
-    return guarded([&] {
-        require(builder != nullptr, "builder is null");
-        builder->refitter.reset();
-        builder->bvh = {};
-        builder->has_tree = false;
-        clbvh::Mesh mesh;
-        copy_mesh(vertices, vertex_count, triangles, triangle_count, mesh);
-        builder->bvh = builder_of(*builder).build(mesh);
-        builder->has_tree = true;
-    });
+    return build_over(builder, [&] { return to_view(vertices, vertex_count, triangles, triangle_count); });
+}
+
+clbvh_error clbvh_build_mesh(clbvh_builder* builder, const clbvh_mesh_view* mesh) {
+    return build_over(builder, [&] { return to_view(mesh); });
+}
+
+clbvh_error clbvh_build_boxes(clbvh_builder* builder, const clbvh_box_view* boxes) {
+    return build_over(builder, [&] { return to_view(boxes); });
 }
 
 clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_budget* budget,
@@ -237,14 +283,28 @@ clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_
 
 clbvh_error clbvh_refit(clbvh_builder* builder, const float* vertices, uint64_t vertex_count, const uint32_t* triangles,
                         uint64_t triangle_count, double* sah_before, double* sah_after) {
-    return guarded([&] {
-        require_tree(builder);
-        copy_mesh(vertices, vertex_count, triangles, triangle_count, builder->moved);
-        if (!builder->refitter) builder->refitter.emplace(builder->bvh);
-        const clbvh::RefitStats stats = builder->refitter->refit(builder->bvh, builder->moved);
-        if (sah_before != nullptr) *sah_before = stats.sah_before;
-        if (sah_after != nullptr) *sah_after = stats.sah_after;
-    });
+    return refit_to(
+        builder, [&] { return to_view(vertices, vertex_count, triangles, triangle_count); }, sah_before, sah_after);
+}
+
+clbvh_error clbvh_refit_mesh(clbvh_builder* builder, const clbvh_mesh_view* mesh, double* sah_before,
+                             double* sah_after) {
+    return refit_to(
+        builder, [&] { return to_view(mesh); }, sah_before, sah_after);
+}
+
+clbvh_error clbvh_refit_boxes(clbvh_builder* builder, const clbvh_box_view* boxes, double* sah_before,
+                              double* sah_after) {
+    return refit_to(
+        builder, [&] { return to_view(boxes); }, sah_before, sah_after);
+}
+
+clbvh_error clbvh_validate_mesh(const clbvh_builder* builder, const clbvh_mesh_view* mesh) {
+    return validate_over(builder, [&] { return to_view(mesh); });
+}
+
+clbvh_error clbvh_validate_boxes(const clbvh_builder* builder, const clbvh_box_view* boxes) {
+    return validate_over(builder, [&] { return to_view(boxes); });
 }
 
 const clbvh_node* clbvh_nodes(const clbvh_builder* builder, uint64_t* count) {

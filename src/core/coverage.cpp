@@ -1,6 +1,6 @@
-// The triangle is cut along faces of the boxes until each piece lies wholly inside or outside of every box. A piece
-// that is in one box is covered, a piece that is in none is lost. Nothing is ever measured, so triangles without an
-// area are proven like all others.
+// A triangle, or a box, is cut along faces of the boxes until each piece lies wholly inside or outside of every box. A
+// piece that is in one box is covered, a piece that is in none is lost. Nothing is ever measured, so triangles without
+// an area are proven like all others.
 #include "core/coverage.hpp"
 
 #include <tbb/blocked_range.h>
@@ -14,6 +14,7 @@
 
 #include "core/polygon_cut.hpp"
 #include "core/prefix_sum.hpp"
+#include "core/primitive_access.hpp"
 
 namespace clbvh {
 namespace {
@@ -55,6 +56,17 @@ Box bounds_of(const Polygon& polygon) {
     return box;
 }
 
+Box bounds_of(const Box& box) {
+    return box;
+}
+
+Vec3 centre_of(const Box& box) {
+    const auto middle = [&](std::size_t axis) {
+        return static_cast<float>(0.5 * box.lower[axis] + 0.5 * box.upper[axis]);
+    };
+    return {middle(0), middle(1), middle(2)};
+}
+
 Vec3 centre_of(const Polygon& polygon) {
     Point sum{};
     for (const Point& point : polygon) {
@@ -69,6 +81,13 @@ std::pair<Polygon, Polygon> cut(const Polygon& polygon, const AxisPlane& plane) 
     cut_polygon(
         polygon, plane, [&](const Point& point) { parts.first.push_back(point); },
         [&](const Point& point) { parts.second.push_back(point); });
+    return parts;
+}
+
+std::pair<Box, Box> cut(const Box& box, const AxisPlane& plane) {
+    std::pair<Box, Box> parts{box, box};
+    parts.first.upper[plane.axis] = plane.position;
+    parts.second.lower[plane.axis] = plane.position;
     return parts;
 }
 
@@ -90,18 +109,33 @@ std::optional<AxisPlane> choose_cut(const Box& bounds, std::span<const Box> boxe
     return AxisPlane{static_cast<std::size_t>(most - faces.begin()), *middle};
 }
 
-std::optional<Vec3> find_uncovered(const Polygon& polygon, std::span<const Box> boxes) {
-    const Box bounds = bounds_of(polygon);
+/// `Piece` is a polygon or a box.
+template <typename Piece>
+std::optional<Vec3> find_uncovered(const Piece& piece, std::span<const Box> boxes) {
+    const Box bounds = bounds_of(piece);
     std::vector<Box> near;
     for (const Box& box : boxes) {
         if (box.contains(bounds)) return std::nullopt;
         if (box.touches(bounds)) near.push_back(box);
     }
     const std::optional<AxisPlane> plane = choose_cut(bounds, near);
-    if (!plane) return centre_of(polygon);
-    const auto [below, above] = cut(polygon, *plane);
-    if (std::optional<Vec3> point = find_uncovered(below, near)) return point;
-    return find_uncovered(above, near);
+    if (!plane) return centre_of(piece);
+    const auto [below, above] = cut(piece, *plane);
+    if (std::optional<Vec3> point = find_uncovered(below, std::span<const Box>(near))) return point;
+    return find_uncovered(above, std::span<const Box>(near));
+}
+
+std::vector<Box> grown(std::span<const Aabb> boxes, double by) {
+    std::vector<Box> result;
+    result.reserve(boxes.size());
+    for (const Aabb& box : boxes) {
+        Box& target = result.emplace_back(Box{to_point(box.lower), to_point(box.upper)});
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            target.lower[axis] -= by;
+            target.upper[axis] += by;
+        }
+    }
+    return result;
 }
 
 /// For each primitive the leaves that name it.
@@ -143,35 +177,34 @@ std::optional<Vec3> find_uncovered_point(const std::array<Vec3, 3>& triangle, st
         for (const double coordinate : point)
             largest = std::max(largest, std::abs(coordinate));
     }
-    std::vector<Box> grown;
-    grown.reserve(boxes.size());
-    for (const Aabb& box : boxes) {
-        Box& target = grown.emplace_back(Box{to_point(box.lower), to_point(box.upper)});
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            target.lower[axis] -= kCoverageTolerance * largest;
-            target.upper[axis] += kCoverageTolerance * largest;
-        }
-    }
-    return find_uncovered(polygon, grown);
+    return find_uncovered(polygon, std::span<const Box>(grown(boxes, kCoverageTolerance * largest)));
 }
 
-std::optional<LostPart> find_lost_part(const Bvh& bvh, const Mesh& mesh, std::span<const std::uint32_t> leaves) {
+std::optional<Vec3> find_uncovered_point(const Aabb& whole, std::span<const Aabb> boxes) {
+    const Box box{to_point(whole.lower), to_point(whole.upper)};
+    return find_uncovered(box, std::span<const Box>(grown(boxes, 0.0)));
+}
+
+std::optional<LostPart> find_lost_part(const Bvh& bvh, const Primitives& primitives,
+                                       std::span<const std::uint32_t> leaves) {
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
     const LeafLists lists(bvh, leaves);
     const auto uncovered_point = [&](std::size_t primitive) -> std::optional<Vec3> {
-        if (is_inactive(mesh, primitive)) return std::nullopt;
-        const Aabb whole = triangle_bounds(mesh, primitive);
+        if (is_inactive_primitive(primitives, primitive)) return std::nullopt;
+        const Aabb whole = primitive_bounds(primitives, primitive);
         std::vector<Aabb> boxes;
         for (const std::uint32_t leaf : lists[primitive]) {
             const Aabb box = bvh.nodes[leaf].bounds();
             if (merge(box, whole) == box) return std::nullopt;
             boxes.push_back(box);
         }
-        const auto& [a, b, c] = mesh.triangles[primitive];
-        return find_uncovered_point({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]}, boxes);
+        const auto* const mesh = std::get_if<MeshView>(&primitives);
+        if (mesh == nullptr) return find_uncovered_point(whole, boxes);
+        const auto [a, b, c] = mesh->triangle(primitive);
+        return find_uncovered_point({mesh->vertex(a), mesh->vertex(b), mesh->vertex(c)}, boxes);
     };
     const std::size_t first_lost = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), 512), none,
+        tbb::blocked_range<std::size_t>(0, count_of(primitives), 512), none,
         [&](const auto& range, std::size_t best) {
             for (std::size_t i = range.begin(); i < range.end() && i < best; ++i) {
                 if (uncovered_point(i)) best = i;

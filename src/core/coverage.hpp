@@ -7,7 +7,7 @@
 #include <span>
 
 #include "clbvh/core/bvh.hpp"
-#include "clbvh/core/mesh.hpp"
+#include "clbvh/core/primitives.hpp"
 
 namespace clbvh {
 
@@ -20,15 +20,18 @@ inline constexpr double kCoverageTolerance = 0x1p-34;
 [[nodiscard]] std::optional<Vec3> find_uncovered_point(const std::array<Vec3, 3>& triangle,
                                                        std::span<const Aabb> boxes);
 
+/// The same for a box, also a flat one, without a tolerance: nothing is rounded.
+[[nodiscard]] std::optional<Vec3> find_uncovered_point(const Aabb& whole, std::span<const Aabb> boxes);
+
 /// A place where a primitive is in none of the leaves that name it.
 struct LostPart {
     std::size_t primitive;
     Vec3 point;
 };
 
-/// Proves, in parallel, that every active triangle is covered by the leaves of `bvh`, which are nodes `leaves`, that
+/// Proves, in parallel, that every active primitive is covered by the leaves of `bvh`, which are nodes `leaves`, that
 /// name it. Returns nothing, or the first primitive of which a part is lost. Every reference must be in range.
-[[nodiscard]] std::optional<LostPart> find_lost_part(const Bvh& bvh, const Mesh& mesh,
+[[nodiscard]] std::optional<LostPart> find_lost_part(const Bvh& bvh, const Primitives& primitives,
                                                      std::span<const std::uint32_t> leaves);
 
 }  // namespace clbvh

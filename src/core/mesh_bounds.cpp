@@ -5,19 +5,23 @@
 
 #include <cstddef>
 
+#include "core/primitive_access.hpp"
+
 namespace clbvh {
 
-Aabb mesh_bounds(const Mesh& mesh) {
+Aabb mesh_bounds(const MeshView& mesh) {
     constexpr std::size_t grain = 4096;
-    return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), grain), Aabb{},
-        [&](const auto& range, Aabb box) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                if (!is_inactive(mesh, i)) box = merge(box, triangle_bounds(mesh, i));
-            }
-            return box;
-        },
-        [](const Aabb& a, const Aabb& b) { return merge(a, b); });
+    return with_boxes(mesh, [](const auto& boxes) {
+        return tbb::parallel_reduce(
+            tbb::blocked_range<std::size_t>(0, boxes.count(), grain), Aabb{},
+            [&](const auto& range, Aabb box) {
+                for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                    if (!boxes.is_inactive(i)) box = merge(box, boxes.box(i));
+                }
+                return box;
+            },
+            [](const Aabb& a, const Aabb& b) { return merge(a, b); });
+    });
 }
 
 }  // namespace clbvh

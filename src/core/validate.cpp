@@ -12,6 +12,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "core/coverage.hpp"
+#include "core/primitive_access.hpp"
 #include "core/tree_walk.hpp"
 
 namespace clbvh {
@@ -34,7 +35,8 @@ bool lies_within(const Aabb& box, const Aabb& outer) {
 /// One validation. Every check returns what is wrong, or nothing.
 class Validator {
 public:
-    Validator(const Bvh& bvh, const Mesh& mesh) : bvh_(bvh), mesh_(mesh) {}
+    Validator(const Bvh& bvh, const Primitives& primitives)
+        : bvh_(bvh), primitives_(primitives), count_(count_of(primitives)) {}
 
     ValidationReport run() {
         report_.error = check();
@@ -58,13 +60,13 @@ private:
 
     std::string check_input() {
         try {
-            inactive_ = check_mesh(mesh_);
+            inactive_ = check_primitives(primitives_);
         } catch (const Error& error) {
-            return std::string("the mesh is not valid: ") + error.what();
+            const bool is_mesh = std::holds_alternative<MeshView>(primitives_);
+            return std::string(is_mesh ? "the mesh is" : "the boxes are") + " not valid: " + error.what();
         }
-        if (bvh_.primitive_count == mesh_.triangles.size()) return {};
-        return "primitive_count is " + std::to_string(bvh_.primitive_count) + ", but the mesh has " +
-               std::to_string(mesh_.triangles.size()) + " triangles";
+        if (bvh_.primitive_count == count_) return {};
+        return "primitive_count is " + std::to_string(bvh_.primitive_count) + ", but " + count_in_words(primitives_);
     }
 
     std::string check_node_array() const {
@@ -78,7 +80,7 @@ private:
     /// split, from two leaves neither.
     std::string walk() {
         order_.reserve(bvh_.nodes.size());
-        leaf_of_primitive_.assign(mesh_.triangles.size(), kNone);
+        leaf_of_primitive_.assign(count_, kNone);
         if (bvh_.split_references) id_reached_.assign(bvh_.primitive_ids.size(), false);
         TreeWalk walk(bvh_);
         while (walk.next()) {
@@ -103,10 +105,8 @@ private:
 
     std::string enter_reference(std::size_t leaf, std::size_t slot) {
         const std::uint32_t primitive = bvh_.primitive_ids[slot];
-        if (primitive >= mesh_.triangles.size()) {
-            return name_primitive(primitive) + " is out of range (the mesh has " +
-                   std::to_string(mesh_.triangles.size()) + " triangles)";
-        }
+        if (primitive >= count_)
+            return name_primitive(primitive) + " is out of range (" + count_in_words(primitives_) + ")";
         std::uint32_t& known_leaf = leaf_of_primitive_[primitive];
         if (known_leaf == leaf) return name_primitive(primitive) + " is in this leaf a second time";
         if (known_leaf != kNone && !bvh_.split_references) {
@@ -123,7 +123,7 @@ private:
     }
 
     /// Proves boxes and activity of all visited nodes, in parallel. An inner box is compared with the stored boxes of
-    /// its children: once every node passes, each box is by induction the union of the triangles below it.
+    /// its children: once every node passes, each box is by induction the union of the primitives below it.
     std::string check_contents() const {
         constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
         const std::size_t first_fault = tbb::parallel_reduce(
@@ -144,10 +144,10 @@ private:
         if (node.is_leaf()) {
             for (std::size_t slot = node.first; slot < std::size_t{node.first} + node.count; ++slot) {
                 const std::uint32_t primitive = bvh_.primitive_ids[slot];
-                if (is_inactive(mesh_, primitive)) {
+                if (is_inactive_primitive(primitives_, primitive)) {
                     return name_node(index) + ": " + name_primitive(primitive) + " is inactive";
                 }
-                expected = merge(expected, triangle_bounds(mesh_, primitive));
+                expected = merge(expected, primitive_bounds(primitives_, primitive));
             }
         } else {
             expected = merge(bvh_.nodes[node.first].bounds(), bvh_.nodes[std::size_t{node.first} + 1].bounds());
@@ -164,9 +164,10 @@ private:
 
     /// Inactive primitives are known to be absent, so a count tells whether an active one is.
     std::string find_missing_primitive() const {
-        if (primitives_reached_ + inactive_ == mesh_.triangles.size()) return {};
+        if (primitives_reached_ + inactive_ == count_) return {};
         std::size_t missing = 0;
-        while (is_inactive(mesh_, missing) || (!leaf_of_primitive_.empty() && leaf_of_primitive_[missing] != kNone))
+        while (is_inactive_primitive(primitives_, missing) ||
+               (!leaf_of_primitive_.empty() && leaf_of_primitive_[missing] != kNone))
             ++missing;
         return name_primitive(missing) + " is in no leaf";
     }
@@ -175,7 +176,7 @@ private:
         std::vector<std::uint32_t> leaves;
         std::ranges::copy_if(order_, std::back_inserter(leaves),
                              [&](std::uint32_t node) { return bvh_.nodes[node].is_leaf(); });
-        const std::optional<LostPart> lost = find_lost_part(bvh_, mesh_, leaves);
+        const std::optional<LostPart> lost = find_lost_part(bvh_, primitives_, leaves);
         if (!lost) return {};
         std::ostringstream message;
         message << name_primitive(lost->primitive) << ": the part of it around (" << lost->point.x << ", "
@@ -184,7 +185,8 @@ private:
     }
 
     const Bvh& bvh_;
-    const Mesh& mesh_;
+    Primitives primitives_;
+    std::uint64_t count_;  ///< Of primitives.
     ValidationReport report_;
     std::uint64_t inactive_ = 0;
     std::uint64_t primitives_reached_ = 0;
@@ -195,8 +197,8 @@ private:
 
 }  // namespace
 
-ValidationReport validate(const Bvh& bvh, const Mesh& mesh) {
-    return Validator(bvh, mesh).run();
+ValidationReport validate(const Bvh& bvh, const Primitives& primitives) {
+    return Validator(bvh, primitives).run();
 }
 
 }  // namespace clbvh

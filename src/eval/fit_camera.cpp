@@ -184,13 +184,13 @@ Camera view_from_inside(const Aabb& box, const Vec3& up, const ClosestHits& trac
 
 /// The box of the centroids of all triangles but the outermost at each side: where the detail is. Backdrops and ground
 /// planes, large but few, may be outside it.
-Aabb box_of_detail(const Mesh& mesh) {
+Aabb box_of_detail(const MeshView& mesh) {
     constexpr double left_out = 0.005;
     Aabb detail;
     std::vector<float> centres;
     for (float Vec3::*axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
         centres.clear();
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        for (std::size_t i = 0; i < mesh.triangle_count; ++i) {
             if (is_inactive(mesh, i)) continue;
             const Aabb box = triangle_bounds(mesh, i);
             centres.push_back(0.5f * (box.lower.*axis) + 0.5f * (box.upper.*axis));
@@ -218,13 +218,13 @@ struct FacingArea {
     double all = 0.0;
 };
 
-FacingArea facing_area(const Mesh& mesh) {
+FacingArea facing_area(const MeshView& mesh) {
     constexpr double cosine = 0.99;
     FacingArea area;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (std::size_t i = 0; i < mesh.triangle_count; ++i) {
         if (is_inactive(mesh, i)) continue;
-        const Triangle& t = mesh.triangles[i];
-        const Vec3 n = cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+        const Triangle t = mesh.triangle(i);
+        const Vec3 n = cross(mesh.vertex(t[1]) - mesh.vertex(t[0]), mesh.vertex(t[2]) - mesh.vertex(t[0]));
         const double x = std::abs(static_cast<double>(n.x));
         const double y = std::abs(static_cast<double>(n.y));
         const double z = std::abs(static_cast<double>(n.z));
@@ -239,7 +239,7 @@ FacingArea facing_area(const Mesh& mesh) {
 
 }  // namespace
 
-Vec3 guess_up(const Mesh& mesh) {
+Vec3 guess_up(const MeshView& mesh) {
     const FacingArea area = facing_area(mesh);
     const Aabb box = mesh_bounds(mesh);
     const bool mostly_floor = area.z > 1.5 * area.y;
@@ -248,7 +248,7 @@ Vec3 guess_up(const Mesh& mesh) {
     return mostly_floor || (is_built && is_low) ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
 }
 
-Camera fit_camera(const Mesh& mesh, const Vec3& up, const ClosestHits& trace) {
+Camera fit_camera(const MeshView& mesh, const Vec3& up, const ClosestHits& trace) {
     const Aabb box = mesh_bounds(mesh);
     if (!(box.lower.x <= box.upper.x)) return {{0, 0, 1}, {0, 0, 0}, up, 45.0f};
     const Aabb detail = box_of_detail(mesh);

@@ -44,7 +44,7 @@ Vec3 random_cosine_direction(const Vec3& normal, Random& random) {
 }
 
 /// Where those of the rays that hit something do.
-std::vector<SurfacePoint> surface_points(const Mesh& mesh, const ClosestHits& trace, std::span<const Ray> rays) {
+std::vector<SurfacePoint> surface_points(const MeshView& mesh, const ClosestHits& trace, std::span<const Ray> rays) {
     std::vector<Hit> hits(rays.size());
     trace(rays, hits);
     std::vector<SurfacePoint> points;
@@ -128,7 +128,7 @@ std::vector<Ray> primary_grid(const Camera& camera, double cells, std::uint64_t 
     return primary_rays(camera, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), seed);
 }
 
-std::vector<Ray> rays_from(RayKind kind, const Mesh& mesh, const ClosestHits& trace, const Camera& camera,
+std::vector<Ray> rays_from(RayKind kind, const MeshView& mesh, const ClosestHits& trace, const Camera& camera,
                            std::span<const Ray> primary, std::uint64_t seed) {
     const Aabb bounds = mesh_bounds(mesh);
     if (kind == RayKind::diffuse) return diffuse_rays(mesh, trace, primary, kDiffuseRaysPerPoint, seed);
@@ -139,7 +139,7 @@ std::vector<Ray> rays_from(RayKind kind, const Mesh& mesh, const ClosestHits& tr
 
 /// How many rays come of one of the camera's is seen in a small picture first, or in larger ones where the small one
 /// shows nothing.
-std::vector<Ray> rays_beyond_primary(RayKind kind, const Mesh& mesh, const ClosestHits& trace, const Camera& camera,
+std::vector<Ray> rays_beyond_primary(RayKind kind, const MeshView& mesh, const ClosestHits& trace, const Camera& camera,
                                      const RaySetOptions& options) {
     for (const double pilot_cells : {1024.0, 32768.0, 1048576.0}) {
         const std::vector<Ray> pilot = primary_grid(camera, pilot_cells, options.seed);
@@ -184,7 +184,7 @@ std::vector<Ray> primary_rays(const Camera& camera, std::uint32_t width, std::ui
     return rays;
 }
 
-std::vector<Ray> diffuse_rays(const Mesh& mesh, const ClosestHits& trace, std::span<const Ray> primary,
+std::vector<Ray> diffuse_rays(const MeshView& mesh, const ClosestHits& trace, std::span<const Ray> primary,
                               std::uint32_t rays_per_point, std::uint64_t seed) {
     constexpr float endless = std::numeric_limits<float>::infinity();
     // The numbers of the second bounce are not those of the first.
@@ -195,7 +195,7 @@ std::vector<Ray> diffuse_rays(const Mesh& mesh, const ClosestHits& trace, std::s
     return rays;
 }
 
-std::vector<Ray> shadow_rays(const Mesh& mesh, const ClosestHits& trace, std::span<const Ray> primary,
+std::vector<Ray> shadow_rays(const MeshView& mesh, const ClosestHits& trace, std::span<const Ray> primary,
                              std::span<const Vec3> lights) {
     std::vector<Ray> rays;
     for (const SurfacePoint& point : surface_points(mesh, trace, primary)) {
@@ -222,7 +222,7 @@ std::vector<Vec3> random_lights(const Aabb& bounds, const Camera& camera, std::u
     return lights;
 }
 
-std::vector<Ray> ambient_occlusion_rays(const Mesh& mesh, const ClosestHits& trace, std::span<const Ray> primary,
+std::vector<Ray> ambient_occlusion_rays(const MeshView& mesh, const ClosestHits& trace, std::span<const Ray> primary,
                                         std::uint32_t rays_per_point, float length, std::uint64_t seed) {
     return hemisphere_rays(surface_points(mesh, trace, primary), rays_per_point, length, seed);
 }
@@ -238,7 +238,7 @@ std::vector<Ray> random_lines(const Aabb& bounds, std::uint64_t count, std::uint
     return rays;
 }
 
-std::vector<Ray> make_rays(RayKind kind, const Mesh& mesh, const ClosestHits& trace, const Camera& camera,
+std::vector<Ray> make_rays(RayKind kind, const MeshView& mesh, const ClosestHits& trace, const Camera& camera,
                            const RaySetOptions& options) {
     if (options.count == 0 || options.count > kMostRays) {
         throw Error(ErrorCode::invalid_input, "the number of rays is " + std::to_string(options.count) +

@@ -34,11 +34,11 @@ float largest_coordinate(const Vec3& v) {
 
 }  // namespace
 
-SurfacePoint surface_point(const Mesh& mesh, const Ray& ray, const Hit& hit) noexcept {
-    const Triangle& triangle = mesh.triangles[hit.primitive];
-    const Vec3& v0 = mesh.vertices[triangle[0]];
-    const Vec3& v1 = mesh.vertices[triangle[1]];
-    const Vec3& v2 = mesh.vertices[triangle[2]];
+SurfacePoint surface_point(const MeshView& mesh, const Ray& ray, const Hit& hit) noexcept {
+    const Triangle triangle = mesh.triangle(hit.primitive);
+    const Vec3 v0 = mesh.vertex(triangle[0]);
+    const Vec3 v1 = mesh.vertex(triangle[1]);
+    const Vec3 v2 = mesh.vertex(triangle[2]);
     Vec3 normal = triangle_normal(v0, v1, v2);
     if (dot(normal, ray.direction) > 0.0f) normal = -normal;
     const float scale = std::max({largest_coordinate(v0), largest_coordinate(v1), largest_coordinate(v2)});

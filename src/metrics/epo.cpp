@@ -34,8 +34,8 @@ struct Sums {
 
 class OverlapSum {
 public:
-    OverlapSum(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs)
-        : bvh_(bvh), mesh_(mesh), costs_(costs), order_(bvh, mesh.triangles.size()), sums_(bvh, order_, costs) {}
+    OverlapSum(const Bvh& bvh, const MeshView& mesh, const SahCosts& costs)
+        : bvh_(bvh), mesh_(mesh), costs_(costs), order_(bvh, mesh.triangle_count), sums_(bvh, order_, costs) {}
 
     [[nodiscard]] std::size_t chunk_count() const { return (order_.reference_count() + kChunk - 1) / kChunk; }
 
@@ -83,7 +83,7 @@ private:
     }
 
     const Bvh& bvh_;
-    const Mesh& mesh_;
+    MeshView mesh_;
     SahCosts costs_;
     LeafOrder order_;
     SubtreeSums sums_;
@@ -93,7 +93,7 @@ void tell(const ProgressCallback& progress, double fraction) {
     if (progress && !progress({"epo", fraction})) throw Error(ErrorCode::cancelled, "the progress callback cancelled");
 }
 
-double overlap_of(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs, const ProgressCallback& progress) {
+double overlap_of(const Bvh& bvh, const MeshView& mesh, const SahCosts& costs, const ProgressCallback& progress) {
     const OverlapSum overlap(bvh, mesh, costs);
     std::vector<Sums> sums(overlap.chunk_count());
     const std::size_t step = progress ? std::max<std::size_t>(1, sums.size() / kRounds) : sums.size();
@@ -113,7 +113,8 @@ double overlap_of(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs, const
 
 }  // namespace
 
-double end_point_overlap(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs, const ProgressCallback& progress) {
+double end_point_overlap(const Bvh& bvh, const MeshView& mesh, const SahCosts& costs,
+                         const ProgressCallback& progress) {
     check_costs(costs);
     static_cast<void>(check_mesh(mesh));
     return with_memory_errors("end-point overlap", [&] { return overlap_of(bvh, mesh, costs, progress); });

@@ -41,8 +41,8 @@ struct Moments {
 
 class Sampler {
 public:
-    Sampler(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs)
-        : bvh_(bvh), mesh_(mesh), costs_(costs), order_(bvh, mesh.triangles.size()), sums_(bvh, order_, costs) {
+    Sampler(const Bvh& bvh, const MeshView& mesh, const SahCosts& costs)
+        : bvh_(bvh), mesh_(mesh), costs_(costs), order_(bvh, mesh.triangle_count), sums_(bvh, order_, costs) {
         double area = 0.0;
         areas_.reserve(order_.reference_count());
         for (std::size_t reference = 0; reference < order_.reference_count(); ++reference) {
@@ -107,7 +107,7 @@ private:
     }
 
     const Bvh& bvh_;
-    const Mesh& mesh_;
+    MeshView mesh_;
     SahCosts costs_;
     LeafOrder order_;
     SubtreeSums sums_;
@@ -122,7 +122,7 @@ Estimate estimate_from(const Moments& moments, double count) {
 
 }  // namespace
 
-Estimate end_point_overlap_sampled(const Bvh& bvh, const Mesh& mesh, std::uint64_t samples, std::uint64_t seed,
+Estimate end_point_overlap_sampled(const Bvh& bvh, const MeshView& mesh, std::uint64_t samples, std::uint64_t seed,
                                    const SahCosts& costs) {
     check_costs(costs);
     if (samples < kFewestEpoSamples || samples > kMostEpoSamples) {

@@ -74,10 +74,11 @@ private:
 
 }  // namespace
 
-TriangleSurface::TriangleSurface(const Mesh& mesh, std::uint32_t triangle) noexcept
+TriangleSurface::TriangleSurface(const MeshView& mesh, std::uint32_t triangle) noexcept
     : bounds_(triangle_bounds(mesh, triangle)) {
+    const Triangle indices = mesh.triangle(triangle);
     for (std::size_t i = 0; i < 3; ++i)
-        corners_[i] = to_point(mesh.vertices[mesh.triangles[triangle][i]]);
+        corners_[i] = to_point(mesh.vertex(indices[i]));
     area_ = area_of(corners_);
 }
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "clbvh/core/mesh.hpp"
+#include "clbvh/core/primitives.hpp"
 #include "core/polygon_cut.hpp"
 
 namespace clbvh {
@@ -11,7 +11,7 @@ namespace clbvh {
 /// A triangle as a piece of surface, in double precision.
 class TriangleSurface {
 public:
-    TriangleSurface(const Mesh& mesh, std::uint32_t triangle) noexcept;
+    TriangleSurface(const MeshView& mesh, std::uint32_t triangle) noexcept;
 
     [[nodiscard]] const Aabb& bounds() const noexcept { return bounds_; }
     [[nodiscard]] double area() const noexcept { return area_; }

@@ -14,6 +14,7 @@
 #include "core/exact_areas.hpp"
 #include "core/memory_errors.hpp"
 #include "core/negative_zero.hpp"
+#include "core/primitive_access.hpp"
 #include "core/simd/box4.hpp"
 #include "core/simd/prefetch.hpp"
 #include "metrics/check_costs.hpp"
@@ -46,16 +47,52 @@ struct Sums {
     }
 };
 
+/// How a pass reads primitives: it merges one into a box, and fetches what it will read.
+template <typename Triangles>
+struct MergeTriangles {
+    Triangles triangles;
+
+    void merge_into(Box4& box, std::uint32_t triangle) const noexcept {
+        for (std::size_t corner = 0; corner < 3; ++corner)
+            box.merge(vertex(triangles.index(triangle, corner)));
+    }
+    void prefetch_of(std::uint32_t triangle) const noexcept { prefetch(triangles.indices_of(triangle)); }
+
+private:
+    /// A vertex takes three words. The fourth that is read belongs to the next one.
+    [[nodiscard]] Float4 vertex(std::uint64_t index) const noexcept {
+        const float* const v = triangles.vertex(index);
+        return index + 1 < triangles.vertex_count ? Float4::load(v) : Float4::of(v[0], v[1], v[2]);
+    }
+};
+
+struct MergeBoxes {
+    BoxView boxes;
+
+    void merge_into(Box4& box, std::uint32_t index) const noexcept {
+        const float* const corners = corners_of(index);
+        box.merge({Float4::load(corners), Float4::of(corners[3], corners[4], corners[5])});
+    }
+    void prefetch_of(std::uint32_t index) const noexcept { prefetch(corners_of(index)); }
+
+private:
+    [[nodiscard]] const float* corners_of(std::uint32_t index) const noexcept {
+        return view_detail::element<float>(boxes.boxes, index, boxes.stride);
+    }
+};
+
 /// One call of refit().
+template <typename Reader>
 class Pass {
 public:
-    Pass(Bvh& tree, const Mesh& mesh, const SahCosts& costs) : tree_(tree), mesh_(mesh), costs_(costs) {}
+    Pass(Bvh& tree, const Reader& primitives, const SahCosts& costs)
+        : tree_(tree), primitives_(primitives), costs_(costs) {}
 
     /// Visits pairs from the last to the first. `stack` holds what is left when done.
     void visit_all(std::span<const RefitPlan::Visit> visits, std::vector<Fitted>& stack, Sums& sums) {
         for (std::size_t i = visits.size(); i > 0; --i) {
             if (i > kPairsAhead) prefetch(&tree_.nodes[std::size_t{2} * visits[i - 1 - kPairsAhead].pair()]);
-            if (i > kTrianglesAhead) prefetch_triangles(visits[i - 1 - kTrianglesAhead]);
+            if (i > kPrimitivesAhead) prefetch_primitives(visits[i - 1 - kPrimitivesAhead]);
             stack.push_back(visit(visits[i - 1], stack, sums));
         }
     }
@@ -72,6 +109,8 @@ public:
         boxes[0].merge(boxes[1]);
         return {boxes[0], visit.pair()};
     }
+
+    [[nodiscard]] const Node& root() const noexcept { return tree_.nodes[0]; }
 
     /// The root, which is no one's child. Returns its half areas before and after.
     std::array<double, 2> finish(const Box4& box, Sums& sums) {
@@ -94,34 +133,25 @@ public:
             sums.fits_plan = false;
             return box;
         }
-        for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
-            const Triangle& triangle = mesh_.triangles[tree_.primitive_ids[i]];
-            for (const std::uint32_t index : triangle)
-                box.merge(vertex(index));
-        }
+        for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i)
+            primitives_.merge_into(box, tree_.primitive_ids[i]);
         return without_negative_zeros(box);
     }
 
 private:
     static constexpr std::size_t kPairsAhead = 24;
-    static constexpr std::size_t kTrianglesAhead = 8;
+    static constexpr std::size_t kPrimitivesAhead = 8;
 
     [[nodiscard]] bool has_ids(const Node& leaf) const noexcept {
         const std::size_t ids = tree_.primitive_ids.size();
         return leaf.count > 0 && leaf.first < ids && leaf.count <= ids - leaf.first;
     }
 
-    /// A vertex takes three words. The fourth that is read belongs to the next one.
-    [[nodiscard]] Float4 vertex(std::uint32_t index) const noexcept {
-        const Vec3& v = mesh_.vertices[index];
-        return index + std::size_t{1} < mesh_.vertices.size() ? Float4::load(&v.x) : Float4::of(v.x, v.y, v.z);
-    }
-
-    void prefetch_triangles(RefitPlan::Visit visit) const noexcept {
+    void prefetch_primitives(RefitPlan::Visit visit) const noexcept {
         const Node* const nodes = &tree_.nodes[std::size_t{2} * visit.pair()];
         for (std::uint32_t side = 0; side < 2; ++side) {
             if (visit.is_leaf(side) && nodes[side].first < tree_.primitive_ids.size())
-                prefetch(&mesh_.triangles[tree_.primitive_ids[nodes[side].first]]);
+                primitives_.prefetch_of(tree_.primitive_ids[nodes[side].first]);
         }
     }
 
@@ -134,7 +164,7 @@ private:
     }
 
     Bvh& tree_;
-    const Mesh& mesh_;
+    Reader primitives_;
     SahCosts costs_;
 };
 
@@ -153,9 +183,12 @@ struct CLBVH_NO_EXPORT Refitter::State {
         chunk_sums.resize(plan->chunk_count());
     }
 
-    RefitStats run(Bvh& tree, const Mesh& mesh, const SahCosts& costs);
-    void fit_chunks(Pass& pass);
-    Fitted fit_above(Pass& pass, Sums& sums);
+    template <typename Reader>
+    RefitStats run(Pass<Reader> pass);
+    template <typename Reader>
+    void fit_chunks(Pass<Reader>& pass);
+    template <typename Reader>
+    Fitted fit_above(Pass<Reader>& pass, Sums& sums);
 
     std::size_t node_count;
     std::optional<RefitPlan> plan;  // nothing where there are no pairs
@@ -164,7 +197,8 @@ struct CLBVH_NO_EXPORT Refitter::State {
     tbb::enumerable_thread_specific<std::vector<Fitted>> stacks;
 };
 
-void Refitter::State::fit_chunks(Pass& pass) {
+template <typename Reader>
+void Refitter::State::fit_chunks(Pass<Reader>& pass) {
     tbb::parallel_for(std::size_t{0}, plan->chunk_count(), [&](std::size_t i) {
         const RefitPlan::Chunk chunk = plan->chunk(i);
         std::vector<Fitted>& stack = stacks.local();
@@ -175,7 +209,8 @@ void Refitter::State::fit_chunks(Pass& pass) {
     });
 }
 
-Fitted Refitter::State::fit_above(Pass& pass, Sums& sums) {
+template <typename Reader>
+Fitted Refitter::State::fit_above(Pass<Reader>& pass, Sums& sums) {
     std::vector<Fitted> stack;
     std::size_t subtrees = results.size();
     const std::span<const RefitPlan::Visit> above = plan->above();
@@ -186,10 +221,9 @@ Fitted Refitter::State::fit_above(Pass& pass, Sums& sums) {
     return stack.back();
 }
 
-RefitStats Refitter::State::run(Bvh& tree, const Mesh& mesh, const SahCosts& costs) {
-    if (tree.empty()) return {};
-    const Node& root = tree.nodes[0];
-    Pass pass(tree, mesh, costs);
+template <typename Reader>
+RefitStats Refitter::State::run(Pass<Reader> pass) {
+    const Node& root = pass.root();
     Sums sums;
     Box4 box;
     if (plan) {
@@ -216,7 +250,7 @@ Refitter::Refitter(Refitter&&) noexcept = default;
 Refitter& Refitter::operator=(Refitter&&) noexcept = default;
 Refitter::~Refitter() = default;
 
-RefitStats Refitter::refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs) {
+RefitStats Refitter::refit(Bvh& tree, const Primitives& primitives, const SahCosts& costs) {
     return with_memory_errors("refitting", [&] {
         check_costs(costs);
         if (tree.nodes.size() != state_->node_count) {
@@ -224,13 +258,18 @@ RefitStats Refitter::refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs) {
                                                       " nodes, but the refitter was made for one of " +
                                                       std::to_string(state_->node_count) + ": make one for this tree");
         }
-        optimizer::check_same_triangles(tree, mesh);
-        return state_->run(tree, mesh, costs);
+        optimizer::check_same_primitives(tree, primitives);
+        if (tree.empty()) return RefitStats{};
+        if (const auto* const boxes = std::get_if<BoxView>(&primitives))
+            return state_->run(Pass(tree, MergeBoxes{*boxes}, costs));
+        return with_triangles(std::get<MeshView>(primitives), [&](const auto& triangles) {
+            return state_->run(Pass(tree, MergeTriangles{triangles}, costs));
+        });
     });
 }
 
-RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs) {
-    return Refitter(tree).refit(tree, mesh, costs);
+RefitStats refit(Bvh& tree, const Primitives& primitives, const SahCosts& costs) {
+    return Refitter(tree).refit(tree, primitives, costs);
 }
 
 }  // namespace clbvh

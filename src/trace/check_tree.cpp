@@ -5,6 +5,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "core/tree_walk.hpp"
+#include "core/view_form.hpp"
 
 namespace clbvh::trace {
 namespace {
@@ -15,27 +16,28 @@ namespace {
 }
 
 /// Leaves can then refer to any range of them.
-void check_primitives(const Bvh& bvh, const Mesh& mesh) {
-    if (bvh.primitive_count != mesh.triangles.size()) {
+void check_primitives(const Bvh& bvh, const MeshView& mesh) {
+    if (bvh.primitive_count != mesh.triangle_count) {
         reject("it is over " + std::to_string(bvh.primitive_count) + " primitives, the mesh has " +
-               std::to_string(mesh.triangles.size()) + " triangles");
+               std::to_string(mesh.triangle_count) + " triangles");
     }
     for (const std::uint32_t primitive : bvh.primitive_ids) {
-        if (primitive >= mesh.triangles.size()) {
+        if (primitive >= mesh.triangle_count) {
             reject("primitive " + std::to_string(primitive) + " is out of range, the mesh has " +
-                   std::to_string(mesh.triangles.size()) + " triangles");
+                   std::to_string(mesh.triangle_count) + " triangles");
         }
-        for (const std::uint32_t vertex : mesh.triangles[primitive]) {
-            if (vertex < mesh.vertices.size()) continue;
+        for (const std::uint32_t vertex : mesh.triangle(primitive)) {
+            if (vertex < mesh.vertex_count) continue;
             reject("triangle " + std::to_string(primitive) + " has vertex " + std::to_string(vertex) +
-                   ", the mesh has " + std::to_string(mesh.vertices.size()) + " vertices");
+                   ", the mesh has " + std::to_string(mesh.vertex_count) + " vertices");
         }
     }
 }
 
 }  // namespace
 
-std::uint32_t check_tree(const Bvh& bvh, const Mesh& mesh) {
+std::uint32_t check_tree(const Bvh& bvh, const MeshView& mesh) {
+    check_form(mesh);
     check_primitives(bvh, mesh);
     TreeWalk walk(bvh);
     std::uint32_t depth = 0;

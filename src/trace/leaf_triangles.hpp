@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
-#include "clbvh/core/mesh.hpp"
+#include "clbvh/core/primitives.hpp"
 #include "clbvh/core/ray.hpp"
 #include "clbvh/trace/box_tests.hpp"
 #include "trace/triangle_tests.hpp"
@@ -23,7 +23,7 @@ struct LeafTriangle {
 };
 
 /// The triangles of `mesh` in the order of the tree's primitive ids, which are in range.
-[[nodiscard]] std::vector<LeafTriangle> copy_triangles(const Bvh& bvh, const Mesh& mesh);
+[[nodiscard]] std::vector<LeafTriangle> copy_triangles(const Bvh& bvh, const MeshView& mesh);
 
 /// Whether `hit` is the closest so far; a hit that is none counts as infinitely far.
 [[nodiscard]] inline bool is_closer(float t, std::uint32_t primitive, const Hit& hit) noexcept {

@@ -35,7 +35,7 @@ int arena_size_for(const TracerOptions& options) {
 }  // namespace
 
 struct CLBVH_NO_EXPORT Tracer::State {
-    State(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options)
+    State(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options)
         : triangle_test(options.triangle_test),
           arena(arena_size_for(options)),
           depth(check_tree(bvh, mesh)),
@@ -106,7 +106,7 @@ struct CLBVH_NO_EXPORT Tracer::State {
     WideTracing wide;
 };
 
-Tracer::Tracer(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options)
+Tracer::Tracer(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options)
     : state_(with_memory_errors("the tracer", [&] { return std::make_unique<const State>(bvh, mesh, options); })) {}
 Tracer::Tracer(Tracer&&) noexcept = default;
 Tracer& Tracer::operator=(Tracer&&) noexcept = default;

@@ -78,6 +78,12 @@ TEST_CASE("upload, run and download are build in three steps") {
         CHECK(builder.run().build_ms > 0.0);
         CHECK(same_bytes(builder.download(), expected));
         CHECK(same_bytes(builder.download(), expected));
+        CHECK(same_bytes(builder.build(mesh), expected));
+        expect_error(ErrorCode::invalid_input, {"upload"}, [&] { (void)builder.run(); });
+        CHECK(same_bytes(builder.download(), expected));
+        builder.upload(Mesh(mesh));  // which the builder has to keep
+        builder.run();
+        CHECK(same_bytes(builder.download(), expected));
     });
 }
 

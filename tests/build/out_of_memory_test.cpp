@@ -2,44 +2,18 @@
 // optimisers, and each time an Error(out_of_memory) comes out, and the builder or the refitter still works.
 #include <tbb/task_arena.h>
 
-#include <atomic>
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <new>
 
 #include "clbvh/core/error.hpp"
 #include "clbvh/device/device_optimizer.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/optimize/refit.hpp"
+#include "support/allocations.hpp"
 #include "support/builders.hpp"
 #include "support/fitted_by_definition.hpp"
 #include "support/meshes.hpp"
 #include "support/opencl_calls.hpp"
-
-namespace {
-
-/// Allocations that still succeed before one fails; negative: all do.
-std::atomic<long> allocations_left{-1};
-
-bool may_allocate() noexcept {
-    if (allocations_left.load() < 0) return true;
-    return allocations_left.fetch_sub(1) > 0;
-}
-
-}  // namespace
-
-// In place of the standard library's, for the whole test program and the libraries that it loads.
-void* operator new(std::size_t size) {
-    void* const memory = may_allocate() ? std::malloc(size == 0 ? 1 : size) : nullptr;
-    if (memory == nullptr) throw std::bad_alloc();
-    return memory;
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -51,16 +25,16 @@ namespace {
 template <typename Work>
 bool try_with(long allowed, const Work& work) {
     try {
-        allocations_left = allowed;
+        allow_allocations(allowed);
         work();
-        allocations_left = -1;
+        allow_allocations(-1);
         return true;
     } catch (const Error& error) {
-        allocations_left = -1;
+        allow_allocations(-1);
         REQUIRE(error.code() == ErrorCode::out_of_memory);
         return false;
     } catch (const std::bad_alloc&) {
-        allocations_left = -1;
+        allow_allocations(-1);
         FAIL("std::bad_alloc came out");
     }
     return false;
@@ -156,13 +130,13 @@ TEST_CASE("an allocation that fails before a tree goes to the device is an Error
     const Bvh expected = optimizer.optimize(tree);
     for (long allowed = 0; allowed < 3; ++allowed) {
         Bvh given = tree;
-        allocations_left = allowed;
+        allow_allocations(allowed);
         try {
             static_cast<void>(optimizer.optimize(std::move(given)));
-            allocations_left = -1;
+            allow_allocations(-1);
             FAIL("nothing was told");
         } catch (const Error& error) {
-            allocations_left = -1;
+            allow_allocations(-1);
             REQUIRE(error.code() == ErrorCode::out_of_memory);
         }
         REQUIRE(same_bytes(optimizer.optimize(tree), expected));

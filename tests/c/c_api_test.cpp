@@ -8,6 +8,8 @@
 #include "clbvh/clbvh.h"
 #include "clbvh/clbvh.hpp"
 #include "clbvh/io/scene.hpp"
+#include "support/box_sets.hpp"
+#include "support/views.hpp"
 
 extern "C" int clbvh_c_consumer(void);
 
@@ -357,4 +359,59 @@ TEST_CASE("a tree follows a mesh that moves through the C interface") {
     CHECK(clbvh_refit(c.handle, nullptr, 3, nullptr, 0, nullptr, nullptr) == CLBVH_INVALID_INPUT);
     CHECK(tree_of(c.handle, 3000).nodes == tree.nodes);
     CHECK(refit(c.handle, mesh, nullptr, nullptr) == CLBVH_OK);
+}
+
+TEST_CASE("the C interface builds, refits and validates over views of triangles and boxes", "[views]") {
+    const Mesh mesh = clbvh::generate_scene("hair", 1000);
+    const std::vector<clbvh::Aabb> boxes = clbvh::test::random_boxes(1000);
+    CBuilder c;
+    REQUIRE(clbvh_create_builder("binned-sah", nullptr, &c.handle) == CLBVH_OK);
+    const auto tree_is = [&](const clbvh::Bvh& expected) {
+        std::uint64_t count = 0;
+        const clbvh_node* const nodes = clbvh_nodes(c.handle, &count);
+        return count == expected.nodes.size() &&
+               std::memcmp(nodes, expected.nodes.data(), count * sizeof(clbvh_node)) == 0;
+    };
+    const clbvh::Bvh over_mesh = clbvh::build(mesh, "binned-sah");
+    for (const clbvh::test::ViewedMesh& layout : clbvh::test::layouts_of(mesh)) {
+        INFO(layout.name);
+        clbvh_mesh_view view{};
+        view.size = sizeof(view);
+        view.vertices = layout.view.vertices;
+        view.vertex_count = layout.view.vertex_count;
+        view.vertex_stride = layout.view.vertex_stride;
+        view.indices = layout.view.indices;
+        view.triangle_count = layout.view.triangle_count;
+        view.index_type = layout.view.index_type == clbvh::IndexType::uint16 ? CLBVH_INDEX_UINT16 : CLBVH_INDEX_UINT32;
+        view.index_stride = layout.view.index_stride;
+        REQUIRE(clbvh_build_mesh(c.handle, &view) == CLBVH_OK);
+        CHECK(tree_is(over_mesh));
+        CHECK(clbvh_validate_mesh(c.handle, &view) == CLBVH_OK);
+        CHECK(clbvh_refit_mesh(c.handle, &view, nullptr, nullptr) == CLBVH_OK);
+        CHECK(tree_is(over_mesh));
+        view.triangle_count -= 1;
+        CHECK(clbvh_validate_mesh(c.handle, &view) == CLBVH_INVALID_INPUT);
+        CHECK(std::string(clbvh_last_error()).find("the mesh has") != std::string::npos);
+        view.index_type = 2;
+        CHECK(clbvh_build_mesh(c.handle, &view) == CLBVH_INVALID_INPUT);
+        view.size = 0;
+        CHECK(clbvh_build_mesh(c.handle, &view) == CLBVH_INVALID_INPUT);
+        CHECK(clbvh_build_mesh(c.handle, nullptr) == CLBVH_INVALID_INPUT);
+    }
+    const clbvh::Bvh over_boxes = clbvh::build(boxes, "binned-sah");
+    for (const clbvh::test::ViewedBoxes& layout : clbvh::test::layouts_of(boxes)) {
+        INFO(layout.name);
+        clbvh_box_view view{sizeof(view), layout.view.stride, layout.view.boxes, layout.view.count};
+        REQUIRE(clbvh_build_boxes(c.handle, &view) == CLBVH_OK);
+        CHECK(tree_is(over_boxes));
+        CHECK(clbvh_validate_boxes(c.handle, &view) == CLBVH_OK);
+        double before = 0.0, after = 0.0;
+        CHECK(clbvh_refit_boxes(c.handle, &view, &before, &after) == CLBVH_OK);
+        CHECK(before == after);
+        CHECK(tree_is(over_boxes));
+        view.count -= 1;
+        CHECK(clbvh_refit_boxes(c.handle, &view, nullptr, nullptr) == CLBVH_INVALID_INPUT);
+        view.stride = 20;
+        CHECK(clbvh_build_boxes(c.handle, &view) == CLBVH_INVALID_INPUT);
+    }
 }

@@ -253,7 +253,8 @@ TEST_CASE("optimizers: a build with one can be cancelled in it, and then built a
         bool cancels = true;
         options.progress = [&](const Progress& progress) { return progress.stage != "rotate" || !cancels; };
         Builder builder = make_builder(id, options);
-        expect_error(ErrorCode::cancelled, {"cancelled"}, [&] { static_cast<void>(builder.build(mesh)); });
+        builder.upload(mesh);
+        expect_error(ErrorCode::cancelled, {"cancelled"}, [&] { static_cast<void>(builder.run()); });
         cancels = false;
         builder.run();  // over the mesh that is there
         CHECK(same_bytes(builder.download(), expected));

@@ -2,9 +2,11 @@
 #include "core/coverage.hpp"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -155,4 +157,33 @@ TEST_CASE("a triangle in very many leaves is proven in no time that grows with t
     CHECK_FALSE(find_uncovered_point(triangle, boxes));
     boxes.erase(boxes.begin() + 12345);
     CHECK(find_uncovered_point(triangle, boxes));
+}
+
+TEST_CASE("a box is covered by the parts that planes cut it into, and not without one of them") {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+    for (int repeat = 0; repeat < 20; ++repeat) {
+        const bool is_flat = repeat % 3 == 0;
+        const Aabb whole{{-3, 1, 5}, {7, is_flat ? 1.0f : 4.0f, 5.5f}};
+        std::vector<Aabb> parts{whole};
+        while (parts.size() < 30) {
+            Aabb& part = parts[random() % parts.size()];
+            Aabb other = part;
+            float Vec3::*const axis = std::array{&Vec3::x, &Vec3::z, is_flat ? &Vec3::x : &Vec3::y}[random() % 3];
+            const float plane = part.lower.*axis + unit(random) * (part.upper.*axis - part.lower.*axis);
+            if (!(part.lower.*axis < plane && plane < part.upper.*axis)) continue;
+            part.upper.*axis = plane;
+            other.lower.*axis = plane;
+            parts.push_back(other);
+        }
+        std::shuffle(parts.begin(), parts.end(), random);
+        CHECK_FALSE(find_uncovered_point(whole, parts));
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            std::vector<Aabb> without = parts;
+            without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+            const std::optional<Vec3> point = find_uncovered_point(whole, without);
+            REQUIRE(point);
+            CHECK(merge(parts[i], *point) == parts[i]);
+        }
+    }
 }

@@ -2,15 +2,17 @@
 
 #include <functional>
 
+#include "core/primitive_access.hpp"
+
 namespace clbvh::test {
 
-Bvh fitted_by_definition(Bvh tree, const Mesh& mesh) {
+Bvh fitted_by_definition(Bvh tree, const Primitives& primitives) {
     const std::function<Aabb(std::uint32_t)> fit = [&](std::uint32_t index) {
         Node& node = tree.nodes[index];
         Aabb box;
         if (node.is_leaf()) {
             for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-                box = merge(box, triangle_bounds(mesh, tree.primitive_ids[i]));
+                box = merge(box, primitive_bounds(primitives, tree.primitive_ids[i]));
         } else {
             box = merge(fit(node.first), fit(node.first + 1));
         }

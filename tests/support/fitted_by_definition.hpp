@@ -1,11 +1,11 @@
 #pragma once
 
 #include "clbvh/core/bvh.hpp"
-#include "clbvh/core/mesh.hpp"
+#include "clbvh/core/primitives.hpp"
 
 namespace clbvh::test {
 
-/// Every node with the box of all triangles below it: slow, and sure.
-[[nodiscard]] Bvh fitted_by_definition(Bvh tree, const Mesh& mesh);
+/// Every node with the box of all primitives below it: slow, and sure.
+[[nodiscard]] Bvh fitted_by_definition(Bvh tree, const Primitives& primitives);
 
 }  // namespace clbvh::test

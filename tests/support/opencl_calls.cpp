@@ -9,7 +9,7 @@ namespace clbvh::test {
 namespace {
 
 struct Counters {
-    std::atomic<std::size_t> buffers{0}, sub_buffers{0}, programs{0}, launches{0}, waits{0};
+    std::atomic<std::size_t> buffers{0}, sub_buffers{0}, programs{0}, launches{0}, waits{0}, copied{0};
 };
 Counters counters;
 
@@ -35,7 +35,8 @@ Function* next(const char* name) {
 }  // namespace
 
 OpenClCalls opencl_calls() {
-    return {counters.buffers, counters.sub_buffers, counters.programs, counters.launches, counters.waits};
+    return {counters.buffers,  counters.sub_buffers, counters.programs,
+            counters.launches, counters.waits,       counters.copied};
 }
 
 void allow_buffers(long allowed) {
@@ -57,6 +58,7 @@ extern "C" {
 cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void* host, cl_int* error) {
     static auto* const real = next<decltype(clCreateBuffer)>("clCreateBuffer");
     ++counters.buffers;
+    if ((flags & CL_MEM_COPY_HOST_PTR) != 0) counters.copied += size;
     if (!may_make_buffer()) return fail(error);
     return real(context, flags, size, host, error);
 }
@@ -111,6 +113,7 @@ cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool block
                             const void* in, cl_uint wait_count, const cl_event* wait_list, cl_event* event) {
     static auto* const real = next<decltype(clEnqueueWriteBuffer)>("clEnqueueWriteBuffer");
     counters.waits += blocking != CL_FALSE ? 1 : 0;
+    counters.copied += size;
     return real(queue, buffer, blocking, offset, size, in, wait_count, wait_list, event);
 }
 

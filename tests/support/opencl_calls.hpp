@@ -11,6 +11,7 @@ struct OpenClCalls {
     std::size_t programs = 0;     ///< Programs that were created or built.
     std::size_t launches = 0;     ///< Kernels that were enqueued.
     std::size_t waits = 0;        ///< Calls that wait for the device: clFinish, clWaitForEvents, blocking copies.
+    std::size_t copied = 0;       ///< Bytes that buffers were filled with from arrays of the host.
 
     friend bool operator==(const OpenClCalls&, const OpenClCalls&) = default;
 };
@@ -29,8 +30,9 @@ template <typename Body>
     const OpenClCalls before = opencl_calls();
     body();
     const OpenClCalls after = opencl_calls();
-    return {after.buffers - before.buffers, after.sub_buffers - before.sub_buffers, after.programs - before.programs,
-            after.launches - before.launches, after.waits - before.waits};
+    return {after.buffers - before.buffers,   after.sub_buffers - before.sub_buffers,
+            after.programs - before.programs, after.launches - before.launches,
+            after.waits - before.waits,       after.copied - before.copied};
 }
 
 }  // namespace clbvh::test

@@ -6,7 +6,8 @@ namespace clbvh::test {
 
 std::vector<host::Reference> references_of(const Mesh& mesh) {
     std::vector<host::Reference> references(mesh.triangles.size());
-    host::copy_boxes(boxes_of(mesh), references);
+    Scratch scratch;
+    host::bound_primitives(boxes_of(mesh), references, scratch);
     return references;
 }
 

@@ -20,16 +20,16 @@ struct ValidationReport {
     explicit operator bool() const noexcept { return valid; }
 };
 
-/// Proves that `bvh` is a correct tree over `mesh`: structure as Node documents, every active primitive in exactly one
-/// leaf, inactive ones in none, every box equal to the union recomputed from the triangles to the bit (save that -0
-/// equals +0). A mesh that check_mesh refuses makes every tree invalid. Never reads out of range, whatever the tree
-/// holds. O(n) time and memory.
+/// Proves that `bvh` is a correct tree over `primitives`: structure as Node documents, every active primitive in
+/// exactly one leaf, inactive ones in none, every box equal to the union recomputed from the primitives to the bit
+/// (save that -0 equals +0). Primitives that check_primitives refuses make every tree invalid. Never reads out of
+/// range, whatever the tree holds. O(n) time and memory.
 ///
 /// Where Bvh::split_references says so, an active primitive is in one leaf or more, but in none twice; a leaf's box
-/// lies within the union of its primitives' boxes; and no part of a triangle is lost: the leaves that name it cover it
-/// together, up to 2^-34 of its largest coordinate, which is a thousandth of what a float can tell apart. That is
-/// proven by cutting it, in double precision, into pieces each of which lies in a leaf's box. About O(n log n) time
-/// over the trees that builders make.
-[[nodiscard]] CLBVH_API ValidationReport validate(const Bvh& bvh, const Mesh& mesh);
+/// lies within the union of its primitives' boxes; and no part of a primitive is lost: the leaves that name it cover it
+/// together, boxes to the bit, triangles up to 2^-34 of the largest coordinate, which is a thousandth of what a float
+/// can tell apart. That is proven by cutting it, in double precision, into pieces each of which lies in a leaf's box.
+/// About O(n log n) time over the trees that builders make.
+[[nodiscard]] CLBVH_API ValidationReport validate(const Bvh& bvh, const Primitives& primitives);
 
 }  // namespace clbvh

@@ -89,7 +89,7 @@ public:
     /// Error(invalid_input) where the tree was not built over this mesh: nodes, ids or indices out of range, or loops;
     /// Error(unsupported) where the device cannot allocate as much at once; Error(out_of_memory). After an Error there
     /// is no scene.
-    void set_scene(const Bvh& bvh, const Mesh& mesh);
+    void set_scene(const Bvh& bvh, const MeshView& mesh);
 
     /// Copies the rays to the device, and their hits back; waits for them. Device memory for a million rays at most is
     /// kept for the next call. Throws Error(invalid_input) without a scene, and where the spans differ in length;

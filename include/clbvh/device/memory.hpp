@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <variant>
 
+#include "clbvh/core/primitives.hpp"
 #include "clbvh/device/opencl_handles.hpp"
 
 namespace clbvh {
@@ -12,9 +13,6 @@ struct DeviceSpan {
     cl_mem buffer = nullptr;
     std::uint64_t offset = 0;
 };
-
-/// The type of one vertex index.
-enum class IndexType : std::uint8_t { uint32, uint16 };
 
 /// Triangles in device memory. Strides are in bytes.
 struct DeviceTriangles {

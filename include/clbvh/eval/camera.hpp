@@ -61,12 +61,12 @@ private:
 /// Which axis of the mesh points up, y or z: z where half again as much of the surface faces along z as along y (a plan
 /// with buildings on it), or where most of it faces along the axes (rooms, buildings) and the mesh is less than 0.7
 /// times as long along z as along y; else y.
-[[nodiscard]] CLBVH_EVAL_API Vec3 guess_up(const Mesh& mesh);
+[[nodiscard]] CLBVH_EVAL_API Vec3 guess_up(const MeshView& mesh);
 
 /// A view of the scene that a person might choose, the same on every run: from the inside where the detail is closed
 /// around, as in a room; else from outside, a little from above. Detail is where nearly all triangles are, whatever
 /// their size. Some 240,000 rays are traced to find it. An empty mesh is
 /// looked at from (0, 0, 1). Throws what `trace` throws.
-[[nodiscard]] CLBVH_EVAL_API Camera fit_camera(const Mesh& mesh, const Vec3& up, const ClosestHits& trace);
+[[nodiscard]] CLBVH_EVAL_API Camera fit_camera(const MeshView& mesh, const Vec3& up, const ClosestHits& trace);
 
 }  // namespace clbvh

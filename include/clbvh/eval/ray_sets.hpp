@@ -43,13 +43,13 @@ enum class RayKind : std::uint8_t {
 /// cosine with the normal (Benthin et al. 2022, "PLOC++", section 5.2, which casts 64); and from the hit of each of
 /// those one more of the same kind. First all rays of the first bounce, in the order of `primary`, then those of the
 /// second in the order of the first. Rays that hit nothing have no successors.
-[[nodiscard]] CLBVH_EVAL_API std::vector<Ray> diffuse_rays(const Mesh& mesh, const ClosestHits& trace,
+[[nodiscard]] CLBVH_EVAL_API std::vector<Ray> diffuse_rays(const MeshView& mesh, const ClosestHits& trace,
                                                            std::span<const Ray> primary, std::uint32_t rays_per_point,
                                                            std::uint64_t seed);
 
 /// From the hit of each ray of `primary` one ray to each of `lights`, less those to lights behind the surface. t is 0
 /// at the surface and 1 at the light.
-[[nodiscard]] CLBVH_EVAL_API std::vector<Ray> shadow_rays(const Mesh& mesh, const ClosestHits& trace,
+[[nodiscard]] CLBVH_EVAL_API std::vector<Ray> shadow_rays(const MeshView& mesh, const ClosestHits& trace,
                                                           std::span<const Ray> primary, std::span<const Vec3> lights);
 
 /// `count` point lights, uniform in the box. Where the camera is outside the box, it is first made three times as large
@@ -59,7 +59,7 @@ enum class RayKind : std::uint8_t {
 
 /// From the hit of each ray of `primary`, `rays_per_point` rays of the given length, distributed as the cosine with the
 /// normal.
-[[nodiscard]] CLBVH_EVAL_API std::vector<Ray> ambient_occlusion_rays(const Mesh& mesh, const ClosestHits& trace,
+[[nodiscard]] CLBVH_EVAL_API std::vector<Ray> ambient_occlusion_rays(const MeshView& mesh, const ClosestHits& trace,
                                                                      std::span<const Ray> primary,
                                                                      std::uint32_t rays_per_point, float length,
                                                                      std::uint64_t seed);
@@ -81,7 +81,7 @@ struct RaySetOptions {
 /// occlusion rays (16 a point, a tenth of the diagonal of the mesh's box long). A camera that sees nothing leaves those
 /// three empty. Throws Error(invalid_input) for a count of 0 or above 2^30, Error(out_of_memory), and what CameraRays
 /// and `trace` throw.
-[[nodiscard]] CLBVH_EVAL_API std::vector<Ray> make_rays(RayKind kind, const Mesh& mesh, const ClosestHits& trace,
+[[nodiscard]] CLBVH_EVAL_API std::vector<Ray> make_rays(RayKind kind, const MeshView& mesh, const ClosestHits& trace,
                                                         const Camera& camera, const RaySetOptions& options);
 
 }  // namespace clbvh

@@ -19,7 +19,7 @@ struct SurfacePoint {
 /// units: a ray that leaves it on the normal's side does not meet the same triangle again. (The idea is that of
 /// Waechter and Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems 2019, chapter 6;
 /// relative to the coordinates at hand, it needs no constant for small ones.)
-[[nodiscard]] CLBVH_EVAL_API SurfacePoint surface_point(const Mesh& mesh, const Ray& ray, const Hit& hit) noexcept;
+[[nodiscard]] CLBVH_EVAL_API SurfacePoint surface_point(const MeshView& mesh, const Ray& ray, const Hit& hit) noexcept;
 
 /// The direction of the hemisphere around `normal` that lies above the point (x, y) of the unit disc: distributed as
 /// the cosine with the normal where (x, y) is uniform (Malley's method). `normal` has length 1, and so has the result.

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <span>
-
-#include "clbvh/core/aabb.hpp"
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/core/primitives.hpp"
 #include "clbvh/export.h"
 
 namespace clbvh {
@@ -14,9 +12,8 @@ namespace clbvh {
 /// Walter, Bala, Kulkarni, Pingali 2008, "Fast agglomerative clustering for rendering". About O(n log n) time on real
 /// scenes; there is no bound below O(n^2) for all input, nor for the depth below n - 1, as with growing nested boxes.
 ///
-/// Builds over `bounds`, where primitive i is bounds[i], on the threads of the calling task arena of oneTBB. Throws
-/// Error(invalid_input) where a box is not legal (a NaN, inverted, beyond kMaxCoordinate), naming the first;
-/// Error(unsupported) beyond kMaxPrimitives; Error(out_of_memory).
-[[nodiscard]] CLBVH_API Bvh build_locally_ordered(std::span<const Aabb> bounds);
+/// Builds over triangles or boxes, on the threads of the calling task arena of oneTBB. Throws what check_primitives
+/// throws; Error(out_of_memory).
+[[nodiscard]] CLBVH_API Bvh build_locally_ordered(const Primitives& primitives);
 
 }  // namespace clbvh

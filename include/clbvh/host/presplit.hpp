@@ -31,6 +31,6 @@ struct PresplitMesh {
 /// the same points. Inactive triangles stay as they are. New corners are rounded to float32; a builder that must lose
 /// no point of a triangle takes BuildOptions::presplit_level instead, which rounds the parts' boxes outwards. Throws
 /// what check_mesh throws; Error(invalid_input) where a field of `config` is out of its range, naming it.
-[[nodiscard]] CLBVH_API PresplitMesh presplit(const Mesh& mesh, const PresplitConfig& config = {});
+[[nodiscard]] CLBVH_API PresplitMesh presplit(const MeshView& mesh, const PresplitConfig& config = {});
 
 }  // namespace clbvh

@@ -23,9 +23,10 @@ struct SbvhConfig {
     std::uint32_t max_leaf_size = 8;       ///< Largest leaf, in primitives, 1 to 64.
 };
 
-/// Builds over a mesh, on the threads of the calling task arena of oneTBB. The tree has Bvh::split_references, save
-/// where the budget leaves no reference to spare. Throws Error(invalid_input) where a field of `config` is out of its
-/// range, naming it; what check_mesh throws; Error(out_of_memory).
-[[nodiscard]] CLBVH_API Bvh build_sbvh(const Mesh& mesh, const SbvhConfig& config = {});
+/// Builds over triangles or boxes, on the threads of the calling task arena of oneTBB. Triangles are cut with their
+/// boxes, so that the parts' boxes shrink around what is left; boxes are cut as they are. The tree has
+/// Bvh::split_references, save where the budget leaves no reference to spare. Throws Error(invalid_input) where a field
+/// of `config` is out of its range, naming it; what check_primitives throws; Error(out_of_memory).
+[[nodiscard]] CLBVH_API Bvh build_sbvh(const Primitives& primitives, const SbvhConfig& config = {});
 
 }  // namespace clbvh

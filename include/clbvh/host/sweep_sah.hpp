@@ -1,10 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
-#include "clbvh/core/aabb.hpp"
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/core/primitives.hpp"
 #include "clbvh/export.h"
 
 namespace clbvh {
@@ -19,9 +18,8 @@ struct SweepSahConfig {
     std::uint32_t max_leaf_size = 8;  ///< Largest leaf, in primitives, 1 to 64.
 };
 
-/// Builds over `bounds`, where primitive i is bounds[i], on the threads of the calling task arena of oneTBB.
-/// Throws Error(invalid_input) where a field of `config` is out of its range, naming it, or a box is not legal (a NaN,
-/// inverted, beyond kMaxCoordinate), naming the first; Error(unsupported) beyond kMaxPrimitives; Error(out_of_memory).
-[[nodiscard]] CLBVH_API Bvh build_sweep_sah(std::span<const Aabb> bounds, const SweepSahConfig& config = {});
+/// Builds over triangles or boxes, on the threads of the calling task arena of oneTBB. Throws Error(invalid_input)
+/// where a field of `config` is out of its range, naming it; what check_primitives throws; Error(out_of_memory).
+[[nodiscard]] CLBVH_API Bvh build_sweep_sah(const Primitives& primitives, const SweepSahConfig& config = {});
 
 }  // namespace clbvh

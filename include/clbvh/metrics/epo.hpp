@@ -25,7 +25,7 @@ namespace clbvh {
 /// across the axes). An empty tree, or a scene without area, has none. Throws Error(invalid_input) for a negative or
 /// non-finite cost, for a mesh that check_mesh refuses and for a tree that is none over the mesh, Error(cancelled)
 /// where `progress` says so; it is called on the calling thread, with the stage "epo".
-[[nodiscard]] CLBVH_API double end_point_overlap(const Bvh& bvh, const Mesh& mesh, const SahCosts& costs = {},
+[[nodiscard]] CLBVH_API double end_point_overlap(const Bvh& bvh, const MeshView& mesh, const SahCosts& costs = {},
                                                  const ProgressCallback& progress = {});
 
 /// A mean of samples, and how far from the truth it is to be expected.
@@ -41,7 +41,7 @@ inline constexpr std::uint64_t kMostEpoSamples = std::uint64_t{1} << 32;
 /// The same from `samples` points, spread uniformly over the surfaces: faster for large scenes, most of all where large
 /// triangles meet many boxes. Depends on `seed`, not on the number of threads.
 /// Throws as end_point_overlap does, and Error(invalid_input) for a number of samples that is out of range.
-[[nodiscard]] CLBVH_API Estimate end_point_overlap_sampled(const Bvh& bvh, const Mesh& mesh, std::uint64_t samples,
+[[nodiscard]] CLBVH_API Estimate end_point_overlap_sampled(const Bvh& bvh, const MeshView& mesh, std::uint64_t samples,
                                                            std::uint64_t seed = 1, const SahCosts& costs = {});
 
 }  // namespace clbvh

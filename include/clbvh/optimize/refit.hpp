@@ -18,16 +18,16 @@ struct RefitStats {
     [[nodiscard]] double rise() const noexcept { return sah_before > 0.0 ? sah_after / sah_before : 1.0; }
 };
 
-/// Gives the tree the boxes that the mesh's vertices now ask for; its structure stays. O(n) time, in the calling task
-/// arena of oneTBB. For one call: Refitter is faster from the second one on.
+/// Gives the tree the boxes that its primitives, triangles or boxes, now ask for; its structure stays. O(n) time, in
+/// the calling task arena of oneTBB. For one call: Refitter is faster from the second one on.
 ///
-/// `mesh` has the triangles that the tree was built over, at new places. Where references were split, leaves get the
-/// boxes of whole triangles. Throws Error(invalid_input) where the mesh has another number of triangles, where
-/// check_mesh refuses it, where a cost is negative or not finite, or where another triangle than before is inactive,
-/// naming it; Error(unsupported) where `nodes` has more than 2^31 - 2 slots; and Error(out_of_memory). After
-/// invalid_input the tree is as it was (save for a Refitter given another tree, see there). Where memory runs out, some
-/// boxes are old and some new: the next refit that succeeds puts all of them right.
-CLBVH_API RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs = {});
+/// `primitives` are those that the tree was built over, at new places. Where references were split, leaves get the
+/// boxes of whole primitives. Throws Error(invalid_input) where there is another number of them, where check_primitives
+/// refuses them, where a cost is negative or not finite, or where another primitive than before is inactive, naming it;
+/// Error(unsupported) where `nodes` has more than 2^31 - 2 slots; and Error(out_of_memory). After invalid_input the
+/// tree is as it was (save for a Refitter given another tree, see there). Where memory runs out, some boxes are old and
+/// some new: the next refit that succeeds puts all of them right.
+CLBVH_API RefitStats refit(Bvh& tree, const Primitives& primitives, const SahCosts& costs = {});
 
 /// Refits trees of one structure again and again, every frame say: the order in which their nodes are visited is found
 /// once. It keeps 4 bytes for each inner node, and no reference to the tree. One thread at a time.
@@ -49,7 +49,7 @@ public:
     /// Throws Error(invalid_input) for one with another number of nodes, the tree being as it was. A tree of as many
     /// nodes whose inner nodes have other children, or are others, is found out as well, but while boxes are written:
     /// Error(invalid_input), and some of its boxes are no longer right until refit() has gone over it.
-    RefitStats refit(Bvh& tree, const Mesh& mesh, const SahCosts& costs = {});
+    RefitStats refit(Bvh& tree, const Primitives& primitives, const SahCosts& costs = {});
 
 private:
     struct State;

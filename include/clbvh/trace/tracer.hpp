@@ -29,7 +29,7 @@ struct TracerOptions {
 class CLBVH_API Tracer {
 public:
     /// Throws Error(invalid_input) where the tree is none over the mesh: nodes, ids or indices out of range, or loops.
-    Tracer(const Bvh& bvh, const Mesh& mesh, const TracerOptions& options = {});
+    Tracer(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options = {});
     Tracer(const Tracer&) = delete;
     Tracer(Tracer&&) noexcept;
     Tracer& operator=(const Tracer&) = delete;

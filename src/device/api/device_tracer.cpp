@@ -199,7 +199,7 @@ void DeviceTracer::enqueue_any(cl_command_queue queue, const DeviceScene& scene,
     state_->enqueue_trace(queue, scene, rays, true, wait_list, event);
 }
 
-void DeviceTracer::set_scene(const Bvh& bvh, const Mesh& mesh) {
+void DeviceTracer::set_scene(const Bvh& bvh, const MeshView& mesh) {
     with_memory_errors("a scene's check", [&] {
         state_->host_scene.reset();
         static_cast<void>(trace::check_tree(bvh, mesh));

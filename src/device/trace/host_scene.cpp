@@ -4,6 +4,7 @@
 #include <string>
 
 #include "clbvh/core/error.hpp"
+#include "device/opencl/host_primitives.hpp"
 
 namespace clbvh::device {
 namespace {
@@ -31,12 +32,12 @@ std::span<const T> as_span(const std::vector<T>& values) {
 
 }  // namespace
 
-HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh) {
+HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh& bvh, const MeshView& mesh) {
     if (bvh.empty()) return;
     check_fits(session, "nodes", bvh.nodes.size(), sizeof(Node));
     check_fits(session, "references", bvh.primitive_ids.size(), lay_out_scene(settings, 1000).bytes / 1000 + 1);
-    check_fits(session, "vertices", mesh.vertices.size(), sizeof(Vec3));
-    check_fits(session, "triangles", mesh.triangles.size(), sizeof(Triangle));
+    check_fits(session, "vertices", mesh.vertex_count, mesh.vertex_stride);
+    check_fits(session, "triangles", mesh.triangle_count, mesh.bytes_between_triangles());
     with_opencl_errors("copying a scene to the device", [&] {
         scene_.node_count = static_cast<std::uint32_t>(bvh.nodes.size());
         scene_.nodes = {upload(session, as_span(bvh.nodes))};
@@ -44,15 +45,12 @@ HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh&
     });
 }
 
-void HostScene::lay_out_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh, const Mesh& mesh) {
+void HostScene::lay_out_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh,
+                                  const MeshView& mesh) {
     scene_.reference_count = static_cast<std::uint32_t>(bvh.primitive_ids.size());
     TraceScene from_mesh = scene_;
     from_mesh.primitive_ids = {upload(session, as_span(bvh.primitive_ids))};
-    from_mesh.mesh.primitive_count = static_cast<std::uint32_t>(mesh.triangles.size());
-    from_mesh.mesh.vertices = upload(session, as_span(mesh.vertices));
-    from_mesh.mesh.triangles = upload(session, as_span(mesh.triangles));
-    from_mesh.mesh.vertex_stride = sizeof(Vec3);
-    from_mesh.mesh.triangle_stride = sizeof(Triangle);
+    from_mesh.mesh = bind_primitives(session, mesh, mesh.triangle_count);
     scene_.layout = {allocate_buffer(session, lay_out_scene(settings, scene_.reference_count).bytes)};
     Launcher launcher(session, session.queue(), {});
     launch_layout(launcher, settings, from_mesh, scene_.layout);

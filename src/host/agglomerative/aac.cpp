@@ -219,9 +219,9 @@ void build_aac(HostBuild& build, const AacConfig& config) {
 
 namespace clbvh {
 
-Bvh build_aac(std::span<const Aabb> bounds, const AacConfig& config) {
+Bvh build_aac(const Primitives& primitives, const AacConfig& config) {
     host::aac::check(config);
-    return host::build_over_boxes(bounds, [&](host::HostBuild& build) { host::build_aac(build, config); });
+    return host::build_over(primitives, [&](host::HostBuild& build) { host::build_aac(build, config); });
 }
 
 }  // namespace clbvh

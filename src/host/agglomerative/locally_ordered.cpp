@@ -239,8 +239,8 @@ void build_locally_ordered(HostBuild& build) {
 
 namespace clbvh {
 
-Bvh build_locally_ordered(std::span<const Aabb> bounds) {
-    return host::build_over_boxes(bounds, [](host::HostBuild& build) { host::build_locally_ordered(build); });
+Bvh build_locally_ordered(const Primitives& primitives) {
+    return host::build_over(primitives, [](host::HostBuild& build) { host::build_locally_ordered(build); });
 }
 
 }  // namespace clbvh

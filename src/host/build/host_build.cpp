@@ -1,7 +1,6 @@
 #include "host/build/host_build.hpp"
 
 #include "core/memory_errors.hpp"
-#include "core/primitive_limit.hpp"
 #include "core/simd/dispatch.hpp"
 #include "host/build/primitive_bounds.hpp"
 
@@ -9,7 +8,7 @@ namespace clbvh::host {
 namespace {
 
 /// The build from references to the result; empty where there are none.
-BuildStats run_algorithm(std::span<Reference> references, const Bounds& bounds, const Mesh* mesh,
+BuildStats run_algorithm(std::span<Reference> references, const Bounds& bounds, const MeshView* mesh,
                          const BoundAlgorithm& algorithm, Scratch& scratch, HostStages& stages, Bvh& result) {
     simd::check_instruction_set();
     result.split_references = false;
@@ -34,42 +33,26 @@ BuildStats run_host_build(const HostInput& input, const BoundAlgorithm& algorith
     scratch.reset();
     stages.begin("bounds", 0.0, 0.05);
     const std::span<Reference> references = scratch.take<Reference>(input.active_count);
-    const Bounds bounds = bound_primitives(input.boxes, references, scratch);
-    result.primitive_count = input.boxes.triangles.size();
-    BuildStats stats = run_algorithm(references, bounds, &input.triangles, algorithm, scratch, stages, result);
-    stats.inactive_primitives = input.boxes.triangles.size() - input.active_count;
+    const Bounds bounds = bound_primitives(input.primitives, references, scratch);
+    result.primitive_count = count_of(input.primitives);
+    const MeshView* const mesh = input.cut ? &*input.cut : std::get_if<MeshView>(&input.primitives);
+    BuildStats stats = run_algorithm(references, bounds, mesh, algorithm, scratch, stages, result);
+    stats.inactive_primitives = result.primitive_count - input.active_count;
     return stats;
 }
 
-Bvh build_over_mesh(const Mesh& mesh, const BoundAlgorithm& algorithm) {
-    const std::uint64_t inactive = check_mesh(mesh);
+Bvh build_over(const Primitives& primitives, const BoundAlgorithm& algorithm) {
     return with_memory_errors("the build", [&] {
         Scratch scratch;
         Bvh result;
-        run_host_build({mesh, mesh, mesh.triangles.size() - inactive}, algorithm, {}, scratch, result);
+        build_over(primitives, algorithm, scratch, result);
         return result;
     });
 }
 
-Bvh build_over_boxes(std::span<const Aabb> bounds, const BoundAlgorithm& algorithm) {
-    return with_memory_errors("the build", [&] {
-        Scratch scratch;
-        Bvh result;
-        build_over_boxes(bounds, algorithm, scratch, result);
-        return result;
-    });
-}
-
-void build_over_boxes(std::span<const Aabb> bounds, const BoundAlgorithm& algorithm, Scratch& scratch, Bvh& result) {
-    check_primitive_count(bounds.size());
-    check_boxes(bounds);
-    scratch.reset();
-    result.primitive_count = bounds.size();
-    const ProgressCallback no_progress;
-    HostStages stages(no_progress);
-    const std::span<Reference> references = scratch.take<Reference>(bounds.size());
-    const Bounds scene = copy_boxes(bounds, references);
-    run_algorithm(references, scene, nullptr, algorithm, scratch, stages, result);
+void build_over(const Primitives& primitives, const BoundAlgorithm& algorithm, Scratch& scratch, Bvh& result) {
+    const std::uint64_t inactive = check_primitives(primitives);
+    run_host_build({primitives, count_of(primitives) - inactive, {}}, algorithm, {}, scratch, result);
 }
 
 }  // namespace clbvh::host

@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <string>
 
-#include "clbvh/core/error.hpp"
 #include "core/prefix_sum.hpp"
+#include "core/primitive_access.hpp"
 
 namespace clbvh::host {
 namespace {
@@ -37,59 +36,45 @@ void write(Reference& target, const Aabb& box, std::size_t primitive, Bounds& bo
     bounds.add(target);
 }
 
-/// References of the active triangles among begin .. end, written from `target` on.
-void bound_active(const Mesh& mesh, std::size_t begin, std::size_t end, Reference* target, Bounds& bounds) {
-    for (std::size_t i = begin; i < end; ++i) {
-        if (!is_inactive(mesh, i)) write(*target++, triangle_bounds(mesh, i), i, bounds);
-    }
+/// Where each chunk's active primitives begin among all of them.
+template <typename Boxes>
+void place_active(const Boxes& boxes, std::span<std::size_t> first_of_chunk) {
+    for_each_chunk(boxes.count(), [&](std::size_t chunk, std::size_t begin, std::size_t end, Bounds&) {
+        std::size_t active = 0;
+        for (std::size_t i = begin; i < end; ++i)
+            active += boxes.is_inactive(i) ? 0 : 1;
+        first_of_chunk[chunk] = active;
+    });
+    sum_before(first_of_chunk);
 }
 
-bool in_range(float lower, float upper) {
-    return lower >= -kMaxCoordinate && lower <= upper && upper <= kMaxCoordinate;
+template <typename Boxes>
+Bounds bound_all(const Boxes& boxes, std::span<Reference> references) {
+    return for_each_chunk(boxes.count(), [&](std::size_t, std::size_t begin, std::size_t end, Bounds& bounds) {
+        for (std::size_t i = begin; i < end; ++i)
+            write(references[i], boxes.box(i), i, bounds);
+    });
 }
 
-bool is_legal(const Aabb& box) {
-    return in_range(box.lower.x, box.upper.x) && in_range(box.lower.y, box.upper.y) &&
-           in_range(box.lower.z, box.upper.z);
+template <typename Boxes>
+Bounds bound_active(const Boxes& boxes, std::span<Reference> references, Scratch& scratch) {
+    const std::span<std::size_t> first_of_chunk = scratch.take<std::size_t>((boxes.count() + kChunk - 1) / kChunk);
+    place_active(boxes, first_of_chunk);
+    return for_each_chunk(boxes.count(), [&](std::size_t chunk, std::size_t begin, std::size_t end, Bounds& bounds) {
+        Reference* target = references.data() + first_of_chunk[chunk];
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!boxes.is_inactive(i)) write(*target++, boxes.box(i), i, bounds);
+        }
+    });
 }
 
 }  // namespace
 
-Bounds bound_primitives(const Mesh& mesh, std::span<Reference> references, Scratch& scratch) {
-    const std::size_t count = mesh.triangles.size();
-    if (references.size() == count) {
-        return for_each_chunk(count, [&](std::size_t, std::size_t begin, std::size_t end, Bounds& bounds) {
-            for (std::size_t i = begin; i < end; ++i)
-                write(references[i], triangle_bounds(mesh, i), i, bounds);
-        });
-    }
-    const std::span<std::size_t> first_of_chunk = scratch.take<std::size_t>((count + kChunk - 1) / kChunk);
-    for_each_chunk(count, [&](std::size_t chunk, std::size_t begin, std::size_t end, Bounds&) {
-        std::size_t active = 0;
-        for (std::size_t i = begin; i < end; ++i)
-            active += is_inactive(mesh, i) ? 0 : 1;
-        first_of_chunk[chunk] = active;
+Bounds bound_primitives(const Primitives& primitives, std::span<Reference> references, Scratch& scratch) {
+    return with_boxes(primitives, [&](const auto& boxes) {
+        return references.size() == boxes.count() ? bound_all(boxes, references)
+                                                  : bound_active(boxes, references, scratch);
     });
-    sum_before(first_of_chunk);
-    return for_each_chunk(count, [&](std::size_t chunk, std::size_t begin, std::size_t end, Bounds& bounds) {
-        bound_active(mesh, begin, end, references.data() + first_of_chunk[chunk], bounds);
-    });
-}
-
-Bounds copy_boxes(std::span<const Aabb> boxes, std::span<Reference> references) {
-    return for_each_chunk(boxes.size(), [&](std::size_t, std::size_t begin, std::size_t end, Bounds& bounds) {
-        for (std::size_t i = begin; i < end; ++i)
-            write(references[i], boxes[i], i, bounds);
-    });
-}
-
-void check_boxes(std::span<const Aabb> bounds) {
-    const auto offender = std::ranges::find_if_not(bounds, is_legal);
-    if (offender == bounds.end()) return;
-    throw Error(ErrorCode::invalid_input,
-                "box " + std::to_string(offender - bounds.begin()) +
-                    " has a NaN, a lower corner above its upper one, or a coordinate that is infinite or beyond the "
-                    "limit; leave it out or repair it");
 }
 
 }  // namespace clbvh::host

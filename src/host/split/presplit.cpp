@@ -44,7 +44,7 @@ struct CountingSink {
 /// Decides how far to split, and where the parts of each chunk of triangles go.
 class Plan {
 public:
-    Plan(const Mesh& mesh, const PresplitConfig& config, bool keeps_inactive, HostStages& stages)
+    Plan(const MeshView& mesh, const PresplitConfig& config, bool keeps_inactive, HostStages& stages)
         : mesh_(mesh), keeps_inactive_(keeps_inactive), stages_(stages), first_parts_(chunk_count() + 1) {
         const double scene_volume = volume_of(mesh_bounds(mesh));
         const std::uint64_t limit = most_parts(config.triangle_budget);
@@ -84,17 +84,17 @@ public:
     }
 
 private:
-    [[nodiscard]] std::size_t chunk_count() const noexcept { return (mesh_.triangles.size() + kChunk - 1) / kChunk; }
+    [[nodiscard]] std::size_t chunk_count() const noexcept { return (mesh_.triangle_count + kChunk - 1) / kChunk; }
     [[nodiscard]] std::size_t end_of(std::size_t chunk) const noexcept {
-        return std::min(mesh_.triangles.size(), (chunk + 1) * kChunk);
+        return std::min(mesh_.triangle_count, (chunk + 1) * kChunk);
     }
 
     /// Never below the number of triangles; ids of parts and of new vertices stay in range.
     [[nodiscard]] std::uint64_t most_parts(float budget) const {
-        const std::uint64_t count = mesh_.triangles.size();
+        const std::uint64_t count = mesh_.triangle_count;
         const auto allowed = static_cast<std::uint64_t>(double{budget} * static_cast<double>(count));
         const std::uint64_t indices = std::numeric_limits<std::uint32_t>::max();
-        const std::uint64_t spare = indices - std::min<std::uint64_t>(mesh_.vertices.size(), indices);
+        const std::uint64_t spare = indices - std::min<std::uint64_t>(mesh_.vertex_count, indices);
         return std::min({allowed, count + spare, std::max(count, kMaxPrimitives)});
     }
 
@@ -107,7 +107,7 @@ private:
             bool fits = true;
             for (std::size_t i = chunk * kChunk; fits && i < end_of(chunk); ++i) {
                 if (!is_inactive(mesh_, i)) {
-                    fits = subdivide(corners_of(mesh_, mesh_.triangles[i]), threshold, sink);
+                    fits = subdivide(corners_of(mesh_, mesh_.triangle(i)), threshold, sink);
                 } else if (keeps_inactive_) {
                     ++sink.count;
                 }
@@ -119,7 +119,7 @@ private:
         return total <= limit;
     }
 
-    const Mesh& mesh_;
+    const MeshView& mesh_;
     bool keeps_inactive_;
     HostStages& stages_;
     double threshold_ = 0.0;
@@ -162,9 +162,9 @@ Interval bound_outwards(double a, double b, double c, float lower, float upper) 
     return {std::max(part.lower, lower), std::min(part.upper, upper)};
 }
 
-/// Writes parts as boxes: two vertices and the line between them.
+/// Writes parts as boxes.
 struct BoxSink {
-    Mesh& mesh;
+    std::span<Aabb> boxes;
     std::size_t part;
     Aabb whole;  ///< Box of the triangle.
 
@@ -174,24 +174,20 @@ struct BoxSink {
         const Interval x = bound_outwards(a.x, b.x, c.x, whole.lower.x, whole.upper.x);
         const Interval y = bound_outwards(a.y, b.y, c.y, whole.lower.y, whole.upper.y);
         const Interval z = bound_outwards(a.z, b.z, c.z, whole.lower.z, whole.upper.z);
-        const auto vertex = static_cast<std::uint32_t>(2 * part);
-        mesh.vertices[vertex] = {x.lower, y.lower, z.lower};
-        mesh.vertices[vertex + 1] = {x.upper, y.upper, z.upper};
-        mesh.triangles[part++] = {vertex, vertex + 1, vertex};
+        boxes[part++] = {{x.lower, y.lower, z.lower}, {x.upper, y.upper, z.upper}};
         return true;
     }
 };
 
 }  // namespace
 
-void presplit(const Mesh& mesh, const PresplitConfig& config, HostStages& stages, PartBoxes& parts) {
+void presplit(const MeshView& mesh, const PresplitConfig& config, HostStages& stages, PartBoxes& parts) {
     const Plan plan(mesh, config, false, stages);
-    parts.mesh.vertices.resize(2 * plan.part_count());
-    parts.mesh.triangles.resize(plan.part_count());
+    parts.boxes.resize(plan.part_count());
     parts.source.resize(plan.part_count());
     plan.for_each_triangle([&](std::size_t triangle, std::size_t first_part) {
-        BoxSink sink{parts.mesh, first_part, triangle_bounds(mesh, triangle)};
-        subdivide(corners_of(mesh, mesh.triangles[triangle]), plan.threshold(), sink);
+        BoxSink sink{parts.boxes, first_part, triangle_bounds(mesh, triangle)};
+        subdivide(corners_of(mesh, mesh.triangle(triangle)), plan.threshold(), sink);
         std::fill(parts.source.begin() + static_cast<std::ptrdiff_t>(first_part),
                   parts.source.begin() + static_cast<std::ptrdiff_t>(sink.part), static_cast<std::uint32_t>(triangle));
         return sink.part - first_part;
@@ -205,21 +201,25 @@ namespace clbvh {
 namespace host {
 namespace {
 
-PresplitMesh split(const Mesh& mesh, const PresplitConfig& config) {
+PresplitMesh split(const MeshView& mesh, const PresplitConfig& config) {
     const ProgressCallback no_progress;
     HostStages stages(no_progress);
     const Plan plan(mesh, config, true, stages);
-    const std::size_t old_vertices = mesh.vertices.size();
-    PresplitMesh result{mesh, {}};
-    result.mesh.vertices.resize(old_vertices + plan.part_count() - mesh.triangles.size());
+    const std::size_t old_vertices = mesh.vertex_count;
+    PresplitMesh result;
+    result.mesh.vertices.resize(old_vertices + plan.part_count() - mesh.triangle_count);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, old_vertices, 16 * kChunk), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            result.mesh.vertices[i] = mesh.vertex(i);
+    });
     result.mesh.triangles.resize(plan.part_count());
     result.source.resize(plan.part_count());
     plan.for_each_triangle([&](std::size_t triangle, std::size_t first_part) {
         MeshSink sink{result.mesh, first_part, static_cast<std::uint32_t>(old_vertices + first_part - triangle)};
         if (is_inactive(mesh, triangle)) {
-            result.mesh.triangles[sink.part++] = mesh.triangles[triangle];
+            result.mesh.triangles[sink.part++] = mesh.triangle(triangle);
         } else {
-            subdivide(corners_of(mesh, mesh.triangles[triangle]), plan.threshold(), sink);
+            subdivide(corners_of(mesh, mesh.triangle(triangle)), plan.threshold(), sink);
         }
         std::fill(result.source.begin() + static_cast<std::ptrdiff_t>(first_part),
                   result.source.begin() + static_cast<std::ptrdiff_t>(sink.part), static_cast<std::uint32_t>(triangle));
@@ -231,7 +231,7 @@ PresplitMesh split(const Mesh& mesh, const PresplitConfig& config) {
 }  // namespace
 }  // namespace host
 
-PresplitMesh presplit(const Mesh& mesh, const PresplitConfig& config) {
+PresplitMesh presplit(const MeshView& mesh, const PresplitConfig& config) {
     check_range("level", config.level, 1, host::kMaxPresplitLevel);
     check_range("triangle_budget", config.triangle_budget, 1.0f, 64.0f);
     static_cast<void>(check_mesh(mesh));

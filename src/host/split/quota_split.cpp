@@ -24,21 +24,21 @@ namespace {
 constexpr std::size_t kChunk = 2048;
 
 /// Both sides of the triangle's projections along the axes: no boxes around parts of it have less surface.
-double ideal_surface_of(const Mesh& mesh, const Triangle& triangle) {
-    const Vec3& a = mesh.vertices[triangle[0]];
-    const Vec3& b = mesh.vertices[triangle[1]];
-    const Vec3& c = mesh.vertices[triangle[2]];
+double ideal_surface_of(const MeshView& mesh, const Triangle& triangle) {
+    const Vec3 a = mesh.vertex(triangle[0]);
+    const Vec3 b = mesh.vertex(triangle[1]);
+    const Vec3 c = mesh.vertex(triangle[2]);
     const double ux = double{b.x} - double{a.x}, uy = double{b.y} - double{a.y}, uz = double{b.z} - double{a.z};
     const double vx = double{c.x} - double{a.x}, vy = double{c.y} - double{a.y}, vz = double{c.z} - double{a.z};
     return std::abs(uy * vz - uz * vy) + std::abs(uz * vx - ux * vz) + std::abs(ux * vy - uy * vx);
 }
 
-float priority_of(const Mesh& mesh, const MedianGrid& grid, std::size_t triangle) {
+float priority_of(const MeshView& mesh, const MedianGrid& grid, std::size_t triangle) {
     const Aabb box = triangle_bounds(mesh, triangle);
     const auto plane = grid.most_important(box);
     if (!plane) return 0.0f;
     const double surface = 2.0 * exact_half_area(box);
-    const double gain = std::max(surface - ideal_surface_of(mesh, mesh.triangles[triangle]), 0.0);
+    const double gain = std::max(surface - ideal_surface_of(mesh, mesh.triangle(triangle)), 0.0);
     return static_cast<float>(std::cbrt(std::ldexp(gain, -static_cast<int>(plane->level))));
 }
 
@@ -50,7 +50,7 @@ float longest_extent(const Box4& box) {
 /// Splits a part, and its parts likewise, until `splits` are used up or no plane passes through. Calls
 /// `add_part(reference)` for each part that is left. Each level of the grid is met once along each axis, at most.
 template <typename AddPart>
-void split(const Mesh& mesh, const MedianGrid& grid, const Reference& part, std::uint32_t splits,
+void split(const MeshView& mesh, const MedianGrid& grid, const Reference& part, std::uint32_t splits,
            const AddPart& add_part) {
     const auto plane = splits > 0 ? grid.most_important(part.bounds()) : std::nullopt;
     if (!plane) return add_part(part);
@@ -68,8 +68,8 @@ void split(const Mesh& mesh, const MedianGrid& grid, const Reference& part, std:
 
 /// Splits the active triangles of a chunk.
 template <typename AddPart>
-void split_chunk(const Mesh& mesh, const SplitPlan& plan, std::size_t chunk, const AddPart& add_part) {
-    const std::size_t end = std::min(mesh.triangles.size(), (chunk + 1) * kChunk);
+void split_chunk(const MeshView& mesh, const SplitPlan& plan, std::size_t chunk, const AddPart& add_part) {
+    const std::size_t end = std::min(mesh.triangle_count, (chunk + 1) * kChunk);
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
         if (!is_inactive(mesh, i))
             split(mesh, plan.grid(), make_reference(triangle_bounds(mesh, i), static_cast<std::uint32_t>(i)),
@@ -78,20 +78,16 @@ void split_chunk(const Mesh& mesh, const SplitPlan& plan, std::size_t chunk, con
 }
 
 void write_part(const Reference& reference, std::size_t part, PartBoxes& parts) {
-    const auto vertex = static_cast<std::uint32_t>(2 * part);
-    const Aabb box = reference.bounds();
-    parts.mesh.vertices[vertex] = box.lower;
-    parts.mesh.vertices[vertex + 1] = box.upper;
-    parts.mesh.triangles[part] = {vertex, vertex + 1, vertex};
+    parts.boxes[part] = reference.bounds();
     parts.source[part] = reference.primitive;
 }
 
 }  // namespace
 
-SplitPlan::SplitPlan(const Mesh& mesh, float quota, HostStages& stages)
-    : priorities_(mesh.triangles.size()), grid_(mesh_bounds(mesh)) {
+SplitPlan::SplitPlan(const MeshView& mesh, float quota, HostStages& stages)
+    : priorities_(mesh.triangle_count), grid_(mesh_bounds(mesh)) {
     const std::uint64_t active = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kChunk), std::uint64_t{0},
+        tbb::blocked_range<std::size_t>(0, mesh.triangle_count, kChunk), std::uint64_t{0},
         [&](const auto& range, std::uint64_t count) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 if (is_inactive(mesh, i)) continue;
@@ -144,21 +140,20 @@ void SplitPlan::choose_factor(std::uint64_t most_splits) {
     factor_ = fitting;
 }
 
-void split_to_quota(const Mesh& mesh, float quota, HostStages& stages, PartBoxes& parts) {
+void split_to_quota(const MeshView& mesh, float quota, HostStages& stages, PartBoxes& parts) {
     const SplitPlan plan(mesh, quota, stages);
-    std::vector<std::size_t> first_parts((mesh.triangles.size() + kChunk - 1) / kChunk);
+    std::vector<std::size_t> first_parts((mesh.triangle_count + kChunk - 1) / kChunk);
     tbb::parallel_for(std::size_t{0}, first_parts.size(), [&](std::size_t chunk) {
         split_chunk(mesh, plan, chunk, [&](const Reference&) { ++first_parts[chunk]; });
         stages.advance(0);
     });
     const std::size_t part_count = sum_before(std::span(first_parts));
-    parts.mesh.vertices.resize(2 * part_count);
-    parts.mesh.triangles.resize(part_count);
+    parts.boxes.resize(part_count);
     parts.source.resize(part_count);
     tbb::parallel_for(std::size_t{0}, first_parts.size(), [&](std::size_t chunk) {
         std::size_t part = first_parts[chunk];
         split_chunk(mesh, plan, chunk, [&](const Reference& reference) { write_part(reference, part++, parts); });
-        stages.advance(std::min(mesh.triangles.size() - chunk * kChunk, kChunk));
+        stages.advance(std::min(mesh.triangle_count - chunk * kChunk, kChunk));
     });
 }
 

@@ -20,7 +20,7 @@ public:
 
     /// At most `quota` times the active triangles are planned in all. The mesh has passed check_mesh; a stage has
     /// begun. The same on any number of threads.
-    SplitPlan(const Mesh& mesh, float quota, HostStages& stages);
+    SplitPlan(const MeshView& mesh, float quota, HostStages& stages);
 
     [[nodiscard]] const MedianGrid& grid() const noexcept { return grid_; }
 
@@ -46,6 +46,6 @@ private:
 
 /// Splits a mesh that check_mesh has passed, at the most important planes first, as presplit() does by edges: the same
 /// promises hold for the boxes. A triangle that no plane passes through any more has fewer parts than were planned.
-void split_to_quota(const Mesh& mesh, float quota, HostStages& stages, PartBoxes& parts);
+void split_to_quota(const MeshView& mesh, float quota, HostStages& stages, PartBoxes& parts);
 
 }  // namespace clbvh::host

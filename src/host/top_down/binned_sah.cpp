@@ -197,9 +197,9 @@ void build_binned_sah(HostBuild& build, const BinnedSahConfig& config) {
 
 namespace clbvh {
 
-Bvh build_binned_sah(std::span<const Aabb> bounds, const BinnedSahConfig& config) {
+Bvh build_binned_sah(const Primitives& primitives, const BinnedSahConfig& config) {
     host::check(config);
-    return host::build_over_boxes(bounds, [&](host::HostBuild& build) { host::build_binned_sah(build, config); });
+    return host::build_over(primitives, [&](host::HostBuild& build) { host::build_binned_sah(build, config); });
 }
 
 }  // namespace clbvh

@@ -88,9 +88,9 @@ void build_median(HostBuild& build, const MedianConfig& config) {
 
 namespace clbvh {
 
-Bvh build_median(std::span<const Aabb> bounds, const MedianConfig& config) {
+Bvh build_median(const Primitives& primitives, const MedianConfig& config) {
     check_range("max_leaf_size", config.max_leaf_size, 1, kMaxLeafSize);
-    return host::build_over_boxes(bounds, [&](host::HostBuild& build) { host::build_median(build, config); });
+    return host::build_over(primitives, [&](host::HostBuild& build) { host::build_median(build, config); });
 }
 
 }  // namespace clbvh

@@ -241,9 +241,9 @@ void build_sbvh(HostBuild& build, const SbvhConfig& config) {
 
 namespace clbvh {
 
-Bvh build_sbvh(const Mesh& mesh, const SbvhConfig& config) {
+Bvh build_sbvh(const Primitives& primitives, const SbvhConfig& config) {
     host::check(config);
-    return host::build_over_mesh(mesh, [&](host::HostBuild& build) { host::build_sbvh(build, config); });
+    return host::build_over(primitives, [&](host::HostBuild& build) { host::build_sbvh(build, config); });
 }
 
 }  // namespace clbvh

@@ -40,7 +40,7 @@ SpatialBinSet::SpatialBinSet(std::uint32_t bin_count) noexcept : bin_count_(bin_
     }
 }
 
-void SpatialBinSet::add(const Mesh* mesh, std::span<const Reference> references,
+void SpatialBinSet::add(const MeshView* mesh, std::span<const Reference> references,
                         const SpatialBinning& binning) noexcept {
     for (const Reference& reference : references) {
         const Box4 box = Box4::of(reference);

@@ -76,7 +76,7 @@ public:
     explicit SpatialBinSet(std::uint32_t bin_count) noexcept;
 
     /// Without a mesh, the parts of a reference are those of its box.
-    void add(const Mesh* mesh, std::span<const Reference> references, const SpatialBinning& binning) noexcept;
+    void add(const MeshView* mesh, std::span<const Reference> references, const SpatialBinning& binning) noexcept;
     void add(const SpatialBinSet& other) noexcept;
 
     /// The cheapest plane that makes `most_references` at most; the first one along the first axis among equals.

@@ -15,9 +15,10 @@ Float4 magnitude(Float4 a) noexcept {
 
 }  // namespace
 
-CutTriangle::CutTriangle(const Mesh& mesh, std::uint32_t triangle) noexcept {
+CutTriangle::CutTriangle(const MeshView& mesh, std::uint32_t triangle) noexcept {
+    const Triangle indices = mesh.triangle(triangle);
     for (std::size_t i = 0; i < 3; ++i) {
-        corners_[i] = load(mesh.vertices[mesh.triangles[triangle][i]]);
+        corners_[i] = load(mesh.vertex(indices[i]));
         corners_[i].store(coordinates_[i].data());
     }
 }
@@ -62,7 +63,7 @@ Box4 with_range(const Box4& box, std::size_t axis, float lower, float upper) noe
     return {Float4::load(low.data()), Float4::load(high.data())};
 }
 
-CutReference cut_reference(const Mesh* mesh, const Reference& reference, std::size_t axis, float plane) noexcept {
+CutReference cut_reference(const MeshView* mesh, const Reference& reference, std::size_t axis, float plane) noexcept {
     const Box4 box = Box4::of(reference);
     const std::array<float, 3> borders{reference.lower[axis], plane, reference.upper[axis]};
     std::array<Box4, 2> parts{box, box};

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "clbvh/core/mesh.hpp"
+#include "clbvh/core/primitives.hpp"
 #include "host/build/reference.hpp"
 
 namespace clbvh::host {
@@ -11,7 +11,7 @@ namespace clbvh::host {
 /// A triangle that is cut by planes across an axis.
 class CutTriangle {
 public:
-    CutTriangle(const Mesh& mesh, std::uint32_t triangle) noexcept;
+    CutTriangle(const MeshView& mesh, std::uint32_t triangle) noexcept;
 
     [[nodiscard]] Float4 corner(std::size_t i) const noexcept { return corners_[i]; }
 
@@ -69,7 +69,7 @@ struct CutReference {
 };
 
 /// Together the parts cover what the reference covers of its triangle, or, without a mesh, of its box.
-[[nodiscard]] CutReference cut_reference(const Mesh* mesh, const Reference& reference, std::size_t axis,
+[[nodiscard]] CutReference cut_reference(const MeshView* mesh, const Reference& reference, std::size_t axis,
                                          float plane) noexcept;
 
 }  // namespace clbvh::host

@@ -10,7 +10,7 @@ float merged_area(Box4 a, const Box4& b) noexcept {
 
 }  // namespace
 
-SpatialRule::SpatialRule(const Mesh* mesh, const SpatialBinning& binning, const SpatialSplit& split) noexcept
+SpatialRule::SpatialRule(const MeshView* mesh, const SpatialBinning& binning, const SpatialSplit& split) noexcept
     : mesh_(mesh),
       binning_(binning),
       split_(split),

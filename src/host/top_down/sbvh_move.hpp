@@ -83,7 +83,7 @@ struct ObjectRule {
 class SpatialRule {
 public:
     /// Without a mesh, boxes are cut.
-    SpatialRule(const Mesh* mesh, const SpatialBinning& binning, const SpatialSplit& split) noexcept;
+    SpatialRule(const MeshView* mesh, const SpatialBinning& binning, const SpatialSplit& split) noexcept;
 
     template <typename Sink>
     void operator()(const Reference& reference, Sink& sink) const noexcept {
@@ -109,7 +109,7 @@ private:
 
     [[nodiscard]] Parts cut(const Reference& reference) const noexcept;
 
-    const Mesh* mesh_;
+    const MeshView* mesh_;
     const SpatialBinning& binning_;
     const SpatialSplit& split_;
     float plane_;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "clbvh/core/mesh.hpp"
+#include "clbvh/core/primitives.hpp"
 
 namespace clbvh::host {
 
@@ -17,10 +17,10 @@ struct Corner {
 };
 using Corners = std::array<Corner, 3>;
 
-[[nodiscard]] inline Corners corners_of(const Mesh& mesh, const Triangle& triangle) noexcept {
+[[nodiscard]] inline Corners corners_of(const MeshView& mesh, const Triangle& triangle) noexcept {
     Corners corners;
     for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3& v = mesh.vertices[triangle[i]];
+        const Vec3 v = mesh.vertex(triangle[i]);
         corners[i] = {v.x, v.y, v.z, triangle[i]};
     }
     return corners;

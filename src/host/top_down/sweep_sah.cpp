@@ -277,7 +277,7 @@ void build_sweep_sah(HostBuild& build, const SweepSahConfig& config) {
 
 void build_sweep_sah(std::span<const Aabb> bounds, const SweepSahConfig& config, Scratch& scratch, Bvh& result) {
     check(config);
-    build_over_boxes(
+    build_over(
         bounds, [&](HostBuild& build) { build_sweep_sah(build, config); }, scratch, result);
 }
 
@@ -285,9 +285,9 @@ void build_sweep_sah(std::span<const Aabb> bounds, const SweepSahConfig& config,
 
 namespace clbvh {
 
-Bvh build_sweep_sah(std::span<const Aabb> bounds, const SweepSahConfig& config) {
+Bvh build_sweep_sah(const Primitives& primitives, const SweepSahConfig& config) {
     host::check(config);
-    return host::build_over_boxes(bounds, [&](host::HostBuild& build) { host::build_sweep_sah(build, config); });
+    return host::build_over(primitives, [&](host::HostBuild& build) { host::build_sweep_sah(build, config); });
 }
 
 }  // namespace clbvh

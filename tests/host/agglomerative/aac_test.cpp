@@ -32,7 +32,7 @@ Reduction reduction_of(const AacConfig& config) {
 }
 
 Bvh build_variant(const std::vector<Aabb>& boxes, const AacConfig& config, const Variant& variant) {
-    return host::build_over_boxes(boxes, [&](host::HostBuild& build) { host::aac::build(build, config, variant); });
+    return host::build_over(boxes, [&](host::HostBuild& build) { host::aac::build(build, config, variant); });
 }
 
 AacConfig without_flattening(AacConfig config) {

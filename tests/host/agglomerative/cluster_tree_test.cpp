@@ -19,7 +19,8 @@ namespace {
 
 std::vector<Reference> references_over(const std::vector<Aabb>& boxes) {
     std::vector<Reference> references(boxes.size());
-    copy_boxes(boxes, references);
+    Scratch scratch;
+    bound_primitives(boxes, references, scratch);
     return references;
 }
 

@@ -99,10 +99,11 @@ TEST_CASE("the spatial split that is found costs what brute force says, and none
             for (const std::uint32_t bin_count : {2u, 16u, 64u}) {
                 INFO(scene << ", " << count << " triangles, " << bin_count << " bins");
                 const Mesh mesh = generate_scene(scene, count);
+                const MeshView view = mesh;
                 const std::vector<Reference> references = references_of(mesh);
                 const SpatialBinning binning(bounds_of(references), bin_count);
                 SpatialBinSet bins(bin_count);
-                bins.add(&mesh, references, binning);
+                bins.add(&view, references, binning);
                 const SpatialSplit split = bins.find_split(binning, 4 * count);
                 Candidate best;
                 for (std::uint32_t axis = 0; axis < 3; ++axis) {
@@ -124,10 +125,11 @@ TEST_CASE("the spatial split that is found costs what brute force says, and none
 
 TEST_CASE("splits that need more references than there is room for are passed over") {
     const Mesh mesh = generate_scene("hair", 100);
+    const MeshView view = mesh;
     const std::vector<Reference> references = references_of(mesh);
     const SpatialBinning binning(bounds_of(references), 16);
     SpatialBinSet bins(16);
-    bins.add(&mesh, references, binning);
+    bins.add(&view, references, binning);
     float last_cost = 0.0f;
     for (std::uint32_t most = 200; most >= 100; most -= 10) {
         const SpatialSplit split = bins.find_split(binning, most);
@@ -140,12 +142,13 @@ TEST_CASE("splits that need more references than there is room for are passed ov
 
 TEST_CASE("bins of parts of the references add up to the bins of all") {
     const Mesh mesh = generate_scene("city", 500);
+    const MeshView view = mesh;
     const std::vector<Reference> references = references_of(mesh);
     const SpatialBinning binning(bounds_of(references), 16);
     SpatialBinSet all(16), first(16), second(16);
-    all.add(&mesh, references, binning);
-    first.add(&mesh, std::span(references).first(200), binning);
-    second.add(&mesh, std::span(references).subspan(200), binning);
+    all.add(&view, references, binning);
+    first.add(&view, std::span(references).first(200), binning);
+    second.add(&view, std::span(references).subspan(200), binning);
     first.add(second);
     const SpatialSplit a = all.find_split(binning, 1000);
     const SpatialSplit b = first.find_split(binning, 1000);

@@ -7,6 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "clbvh/core/mesh.hpp"
+
 using namespace clbvh;
 using namespace clbvh::host;
 
@@ -98,7 +100,8 @@ private:
 /// Checks both parts of a cut against the polygon, in double precision; true where all is well.
 bool parts_fit(const Case& c, std::size_t axis, float plane, double rounding, double slack) {
     const Reference& reference = c.reference;
-    const CutReference cut = cut_reference(&c.mesh, reference, axis, plane);
+    const MeshView mesh = c.mesh;
+    const CutReference cut = cut_reference(&mesh, reference, axis, plane);
     const std::vector<Point> polygon = clip_to_box(
         {to_point(c.mesh.vertices[0]), to_point(c.mesh.vertices[1]), to_point(c.mesh.vertices[2])}, reference.bounds());
     for (const bool right : {false, true}) {
@@ -166,12 +169,13 @@ TEST_CASE("a plane through a corner or beside the triangle leaves an empty part 
     c.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     c.mesh.triangles = {{0, 1, 2}};
     c.reference = {{0, 0, 0}, 0, {1, 1, 0}, 0};
-    const CutReference touching = cut_reference(&c.mesh, c.reference, 0, 1.0f);
+    const MeshView mesh = c.mesh;
+    const CutReference touching = cut_reference(&mesh, c.reference, 0, 1.0f);
     CHECK(to_aabb(touching.left) == Aabb{{0, 0, 0}, {1, 1, 0}});
     CHECK(to_aabb(touching.right) == Aabb{{1, 0, 0}, {1, 0, 0}});
     // The reference's box meets the triangle to the left of the plane only.
     c.reference = {{0, 0.5f, 0}, 0, {1, 1, 0}, 0};
-    const CutReference beside = cut_reference(&c.mesh, c.reference, 0, 0.75f);
+    const CutReference beside = cut_reference(&mesh, c.reference, 0, 0.75f);
     CHECK(has_point(beside.left));
     CHECK_FALSE(has_point(beside.right));
 }

@@ -247,7 +247,7 @@ TEST_CASE("a straddler that hardly costs more whole is not cut") {
 TEST_CASE("sbvh over bare boxes cuts the boxes") {
     for (const BoxSet& set : hard_box_sets(500)) {
         INFO(set.name);
-        const Bvh bvh = host::build_over_boxes(set.boxes, [](host::HostBuild& build) { host::build_sbvh(build, {}); });
+        const Bvh bvh = build_sbvh(set.boxes);
         const LeafLists lists = leaves_of_primitives(bvh);
         std::mt19937 random(5);
         std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -281,7 +281,7 @@ TEST_CASE("sbvh takes less than 400 bytes a reference") {
         config.reference_budget = budget;
         Scratch scratch;
         Bvh result;
-        const host::HostInput input{mesh, mesh, mesh.triangles.size()};
+        const host::HostInput input{mesh, mesh.triangles.size(), {}};
         const BuildStats stats = host::run_host_build(
             input, [&](host::HostBuild& build) { host::build_sbvh(build, config); }, {}, scratch, result);
         CHECK(stats.peak_host_bytes > 0);
