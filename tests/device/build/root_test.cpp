@@ -44,9 +44,7 @@ TEST_CASE("layout: the root of one leaf is that leaf") {
 TEST_CASE("layout: the root of one leaf has the box of its primitive where boxes are not sorted") {
     const device::DeviceAlgorithm unsorted{nullptr,
                                            [](const device::BuildSettings&, std::uint32_t) { return std::uint64_t{0}; },
-                                           {},
-                                           device::BoxOrder::input,
-                                           nullptr};
+                                           device::BoxOrder::input, nullptr};
     for (const Shape shape : kBothShapes) {
         StageBench bench(settings_of(options_of(shape)), 3, &unsorted);
         write(bench.buffers.boxes, std::vector<Aabb>{{}, {}, kLeaf});

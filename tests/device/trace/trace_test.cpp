@@ -11,16 +11,16 @@ using namespace clbvh::test;
 TEST_CASE("trace: scratch holds a stack for any tree, and more of them for small trees") {
     for (const std::uint32_t nodes : {0u, 2u, 200u, 200000u, 20000000u, 0x7FFFFFFEu}) {
         INFO(nodes);
-        const TracePlan plan = plan_trace(nodes);
-        CHECK(plan.deep_items >= 1);
-        CHECK(plan.deep_items <= 64);
+        const TraceScratch scratch = lay_out_trace_scratch(nodes);
+        CHECK(scratch.deep_items >= 1);
+        CHECK(scratch.deep_items <= 64);
         // Every entry is for another inner node, which has a sibling pair of its own beside the root's.
-        CHECK(plan.deep_capacity >= nodes / 2);
-        CHECK(plan.scratch_bytes() == 64 + std::uint64_t{8} * plan.deep_items * plan.deep_capacity);
-        CHECK(plan.scratch_bytes() <= std::max<std::uint64_t>(64 + (16 << 20), 72 + 4 * std::uint64_t{nodes}));
+        CHECK(scratch.deep_capacity >= nodes / 2);
+        CHECK(scratch.bytes == 64 + std::uint64_t{8} * scratch.deep_items * scratch.deep_capacity);
+        CHECK(scratch.bytes <= std::max<std::uint64_t>(64 + (16 << 20), 72 + 4 * std::uint64_t{nodes}));
     }
-    CHECK(plan_trace(200).deep_items == 64);
-    CHECK(plan_trace(20000000).deep_items == 1);
+    CHECK(lay_out_trace_scratch(200).deep_items == 64);
+    CHECK(lay_out_trace_scratch(20000000).deep_items == 1);
 }
 
 TEST_CASE("trace: automatic options follow the shape") {
