@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "clbvh/core/validate.hpp"
+#include "clbvh/device/context.hpp"
 #include "support/compare_trees.hpp"
 #include "support/oracle/tree_oracle.hpp"
 

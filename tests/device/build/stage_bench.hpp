@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/options.hpp"
 #include "device/build/device_algorithm.hpp"
 
 namespace clbvh::test {
