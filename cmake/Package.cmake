@@ -44,7 +44,8 @@ function(clbvh_package suffix kind)
     INSTALL_DESTINATION ${clbvh_package_dir}
     NO_SET_AND_CHECK_MACRO)
   write_basic_package_version_file(${build_dir}/clbvh-config-version.cmake COMPATIBILITY SameMinorVersion)
-  install(EXPORT clbvh-targets${suffix} FILE clbvh-targets.cmake NAMESPACE clbvh:: DESTINATION ${clbvh_package_dir} ${ARGN})
+  # CMake makes files of one name and destination only once, hence the suffix.
+  install(EXPORT clbvh-targets${suffix} NAMESPACE clbvh:: DESTINATION ${clbvh_package_dir} ${ARGN})
   install(FILES ${build_dir}/clbvh-config.cmake ${build_dir}/clbvh-config-version.cmake
     DESTINATION ${clbvh_package_dir} ${ARGN})
 

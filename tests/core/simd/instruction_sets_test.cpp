@@ -103,7 +103,7 @@ TEST_CASE("CLBVH_SIMD names an instruction set, or is an error", "[simd]") {
         const std::string name(simd::to_string(set));
         const EnvironmentVariable environment("CLBVH_SIMD", name.c_str());
         if (simd::is_available(set)) {
-            CHECK(build_median(boxes).nodes.size() == 1);
+            CHECK(build_median(boxes).primitive_ids.size() == 1);
         } else {
             expect_error(ErrorCode::unsupported, {"CLBVH_SIMD is " + name, "scalar"},
                          [&] { (void)build_median(boxes); });
