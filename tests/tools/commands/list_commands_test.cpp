@@ -170,7 +170,7 @@ TEST_CASE("JSON in a file is the same as on standard output, beside the text for
         CHECK(outcome.out == run_tool({command}).out);
         CHECK(read_text(path) == run_tool({command, "--json", "-"}).out);
     }
-    CHECK(folder.file_count() == 3);
+    CHECK(folder.file_count() == 4);
 }
 
 TEST_CASE("JSON that cannot be written is an error that names the file") {

@@ -178,7 +178,7 @@ TEST_CASE("trace names what is wrong with its input") {
     expect_failure({"gen:soup:10", "--camera", "1,2,3"}, {"--camera", "1,2,3"});
     expect_failure({"gen:soup:10", "--up", "w"}, {"--up", "w", "-x"});
     expect_failure({"gen:soup:10", "--load-rays", missing_path("rays")}, {missing_path("rays")});
-    expect_failure({"gen:soup:10", "--save-rays", missing_path("rays")}, {missing_path("rays")});
+    expect_failure({"gen:soup:10", "--save-rays", missing_path("none/rays")}, {missing_path("none/rays")});
     expect_failure({"gen:soup:10", "gen:soup:20", "--save-rays", "rays"}, {"--save-rays", "one scene"});
     expect_failure({"gen:soup:10", "--rays", "ao,shadow", "--save-rays", "rays"}, {"--save-rays", "one kind"});
     expect_failure({"gen:soup:10", "--camera", "9,9,9,10,10,10"}, {"gen:soup:10", "diffuse", "--camera"});
