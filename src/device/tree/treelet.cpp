@@ -10,7 +10,7 @@ namespace clbvh::device {
 namespace {
 
 constexpr std::uint32_t kPasses = 3;
-constexpr std::uint32_t kLeastSize = 7;    // leaves below the roots of treelets, in the first pass
+constexpr std::uint32_t kLeastSize = 7;  // leaves below the roots of treelets, in the first pass
 constexpr std::uint32_t kSubtreeBits = kernels::SUBTREE_BITS;
 constexpr std::uint64_t kLevels = 33 - kSubtreeBits;
 // Small groups wait little: a treelet has much that only a few work items can do.
