@@ -88,7 +88,7 @@ struct TriangleBoxes {
         return has_nan(corner(triangle, 0)) || has_nan(corner(triangle, 1)) || has_nan(corner(triangle, 2));
     }
 };
-/// Clang before 17 makes none for aggregates.
+// Clang before 17 deduces nothing for aggregates.
 template <typename Triangles>
 TriangleBoxes(Triangles) -> TriangleBoxes<Triangles>;
 

@@ -65,6 +65,8 @@ private:
         return index + 1 < triangles.vertex_count ? Float4::load(v) : Float4::of(v[0], v[1], v[2]);
     }
 };
+template <typename Triangles>
+MergeTriangles(Triangles) -> MergeTriangles<Triangles>;
 
 struct MergeBoxes {
     BoxView boxes;

@@ -34,7 +34,7 @@ extern const BinningLoops kBinningLoopsAvx2;
 inline constexpr BinRow kEmptyRow = [] {
     BinRow row{};
     for (auto& box : row.boxes)
-        for (const std::size_t lane : {0, 1, 2, 4, 5, 6})
+        for (const std::size_t lane : {0u, 1u, 2u, 4u, 5u, 6u})
             box[lane] = std::numeric_limits<float>::infinity();
     return row;
 }();
