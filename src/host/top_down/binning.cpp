@@ -28,8 +28,17 @@ Binning::Binning(const Box4& centroid_bounds, std::uint32_t bin_count, bool long
 }
 
 BinSet::BinSet(std::uint32_t bin_count) noexcept : bin_count_(bin_count) {
-    for (std::uint32_t bin = 0; bin < bin_count; ++bin)
-        rows_[bin] = kEmptyRow;
+    // Vector by vector: GCC 12 fills a whole row by a string instruction, which is slow to start.
+    const Float4 corner = Float4::load(kEmptyRow.boxes[0]);
+    for (std::uint32_t bin = 0; bin < bin_count; ++bin) {
+        BinRow& row = rows_[bin];
+        for (auto& box : row.boxes) {
+            corner.store(box);
+            corner.store(box + 4);
+        }
+        for (auto& count : row.counts)
+            count = 0;
+    }
 }
 
 void BinSet::add(std::span<const Reference> references, const Binning& binning) noexcept {

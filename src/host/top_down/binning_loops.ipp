@@ -10,6 +10,16 @@ CLBVH_ALWAYS_INLINE void merge_into(float* target, const Box8<Set>& box) noexcep
     merged.store(target);
 }
 
+/// Written as it is read next: a load of eight lanes has to wait where two stores of four wrote them.
+template <typename Set>
+CLBVH_ALWAYS_INLINE void clear(BinRow& row) noexcept {
+    const Box8<Set> empty = Box8<Set>::load(kEmptyRow.boxes[0]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        empty.store(row.boxes[axis]);
+    for (auto& count : row.counts)
+        count = 0;
+}
+
 template <typename Set>
 CLBVH_ALWAYS_INLINE void add_to_row(BinRow* rows, std::int32_t bin, std::size_t axis, const Box8<Set>& box) noexcept {
     BinRow& row = rows[bin];
@@ -109,7 +119,7 @@ BinnedSplit find_border_of_few(std::span<const Reference> references, const Binn
         std::max({std::popcount(occupied[0]), std::popcount(occupied[1]), std::popcount(occupied[2])});
     std::array<BinRow, kFewReferences> rows;
     for (int row = 0; row < row_count; ++row)
-        rows[static_cast<std::size_t>(row)] = kEmptyRow;
+        clear<Set>(rows[static_cast<std::size_t>(row)]);
     for (std::size_t i = 0; i < references.size(); ++i) {
         const Box8<Set> box = Box8<Set>::of(references[i]);
         for (std::size_t axis = 0; axis < 3; ++axis)
