@@ -64,14 +64,14 @@ def fault_of(symbol, words):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("library")
+    parser.add_argument("shared_object")
     parser.add_argument("headers", nargs="+")
     parser.add_argument("--nm", default="nm")
     arguments = parser.parse_args()
 
     text = read_headers(arguments.headers)
     words = set(re.findall(r"\w+", text))
-    symbols = exported_symbols(arguments.nm, arguments.library)
+    symbols = exported_symbols(arguments.nm, arguments.shared_object)
     faults = [f"{symbol}: {fault}" for symbol in symbols if (fault := fault_of(symbol, words))]
     faults += [f"{name}: declared in the C interface and not exported"
                for name in sorted(set(C_FUNCTION.findall(text)) - set(symbols))]
