@@ -14,6 +14,6 @@ function(suite_per_file target prefix)
   foreach(suite IN LISTS suites)
     # Hidden cases, such as benchmarks, are run by hand. A file without a case is an error.
     add_test(NAME ${prefix}${suite} COMMAND ${target} --filenames-as-tags "[#${suite}]~[.]" --warn NoTests)
-    set_tests_properties(${prefix}${suite} PROPERTIES ENVIRONMENT POCL_AFFINITY=1 TIMEOUT 600)
+    set_tests_properties(${prefix}${suite} PROPERTIES ENVIRONMENT POCL_AFFINITY=1 TIMEOUT 1800)
   endforeach()
 endfunction()
