@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -255,6 +256,23 @@ TEST_CASE("the boxes of the parts cover the triangle, and nothing outside its bo
         CHECK(first == parts.source.size());
         if (scene_volume(mesh) > 0.0) CHECK(parts.source.size() > 10 * mesh.triangles.size());
     }
+}
+
+TEST_CASE("the boxes of the parts overlap where a midpoint had to be rounded") {
+    // The middle of the edge from a to b lies 2^-61 beyond x = 0.5 + 2^-24, which double precision cannot say. Shortly
+    // before it, towards b, the edge has points that are beyond this x, too, and below y = 0.5.
+    const Vec3 a{1.0f + 0x1p-23f, 1, 1};
+    const Vec3 b{0x1p-60f, 0, 0};
+    Mesh mesh;
+    mesh.vertices = {a, b, {0, 1, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    const host::PartBoxes parts = split_to_boxes(mesh, {2, kLargestBudget});
+    REQUIRE(parts.boxes.size() == 2);
+    const auto has_such_points = [](const Aabb& box) {
+        constexpr float x = 0.5f + 0x1p-24f;
+        return box.lower.x <= x && box.upper.x > x && box.lower.y < 0.5f && box.upper.y >= 0.5f;
+    };
+    CHECK(std::ranges::any_of(parts.boxes, has_such_points));
 }
 
 TEST_CASE("presplit gives the same bytes on any number of threads, and in memory that was used before") {
