@@ -1,19 +1,17 @@
-// Memory that runs out: every allocation of a host build or a refit fails once, and every buffer of a device build with
-// optimisers, and each time an Error(out_of_memory) comes out, and the builder or the refitter still works.
+// Memory that runs out: every allocation of a host build or a refit fails once, and each time an Error(out_of_memory)
+// comes out, and the builder or the refitter still works.
 #include <tbb/task_arena.h>
 
 #include <catch2/catch.hpp>
 #include <new>
 
 #include "clbvh/core/error.hpp"
-#include "clbvh/device/device_optimizer.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/optimize/refit.hpp"
 #include "support/allocations.hpp"
 #include "support/builders.hpp"
 #include "support/fitted_by_definition.hpp"
 #include "support/meshes.hpp"
-#include "support/opencl_calls.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -76,38 +74,10 @@ TEST_CASE("an allocation that fails anywhere in a host build is an Error, and th
     }
 }
 
-TEST_CASE("device memory that runs out anywhere in a build with optimizers is an Error, and the builder still works") {
-    const Mesh mesh = generate_scene("hair", 3000);
-    BuildOptions options;
-    options.optimizers = "treelet,reinsert";
-    options.optimize_on = OptimizeOn::device;
-    const Bvh expected = make_builder("hploc", options).build(mesh);
-    long failures = 0;
-    for (bool is_built = false; !is_built && failures < 1000;) {
-        Builder fresh = make_builder("hploc", options);
-        fresh.upload(mesh);
-        allow_buffers(failures);
-        try {
-            fresh.run();
-            allow_buffers();
-            is_built = true;
-        } catch (const Error& error) {
-            allow_buffers();
-            REQUIRE(error.code() == ErrorCode::out_of_memory);
-            ++failures;
-        } catch (...) {
-            allow_buffers();
-            FAIL("something else than an Error came out after " << failures << " buffers");
-        }
-        REQUIRE(same_bytes(fresh.build(mesh), expected));
-    }
-    CHECK(failures > 20);
-}
-
 TEST_CASE("an allocation that fails anywhere in a refit is an Error, and the next refit puts all boxes right") {
     const Mesh mesh = generate_scene("city", 20000);
     const Mesh moved = scaled(mesh, 2.0f);
-    const Bvh tree = make_builder("plocpp").build(mesh);
+    const Bvh tree = built_tree("plocpp", mesh);
     const Bvh expected = fitted_by_definition(tree, moved);
     bool were_boxes_written = false;
     long allowed = 0;
@@ -122,23 +92,4 @@ TEST_CASE("an allocation that fails anywhere in a refit is an Error, and the nex
     }
     CHECK(allowed > 0);
     CHECK(were_boxes_written);
-}
-
-TEST_CASE("an allocation that fails before a tree goes to the device is an Error, and the optimizer still works") {
-    const Bvh tree = make_builder("lbvh").build(generate_scene("hair", 3000));
-    DeviceOptimizer optimizer("treelet", shared_context());
-    const Bvh expected = optimizer.optimize(tree);
-    for (long allowed = 0; allowed < 3; ++allowed) {
-        Bvh given = tree;
-        allow_allocations(allowed);
-        try {
-            static_cast<void>(optimizer.optimize(std::move(given)));
-            allow_allocations(-1);
-            FAIL("nothing was told");
-        } catch (const Error& error) {
-            allow_allocations(-1);
-            REQUIRE(error.code() == ErrorCode::out_of_memory);
-        }
-        REQUIRE(same_bytes(optimizer.optimize(tree), expected));
-    }
 }

@@ -50,9 +50,9 @@ std::uint64_t expected(std::string_view builder, std::string_view scene) {
 std::vector<std::string> builders_and_presets() {
     std::vector<std::string> ids;
     for (const BuilderInfo& builder : builders())
-        ids.emplace_back(builder.id);
+        if (can_run(builder.id)) ids.emplace_back(builder.id);
     for (const PresetInfo& preset : presets())
-        ids.emplace_back(preset.id);
+        if (can_run(preset.id)) ids.emplace_back(preset.id);
     return ids;
 }
 

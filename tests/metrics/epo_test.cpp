@@ -48,7 +48,7 @@ struct TwoSheets {
 std::vector<Bvh> trees_over(const Mesh& mesh) {
     std::vector<Bvh> trees;
     for (const std::string_view id : device_builders())
-        trees.push_back(make_builder(id, options_of(Shape::lane)).build(mesh));
+        trees.push_back(built_tree(id, mesh, options_of(Shape::lane)));
     for (const std::string_view id : host_builders())
         trees.push_back(Builder(id).build(mesh));
     BuildOptions split;

@@ -106,14 +106,14 @@ TEST_CASE("treelet: dynamic programming finds what all 10395 trees over 7 leaves
 TEST_CASE("treelet: a tree of seven leaves becomes the best there is") {
     for (std::uint32_t seed = 1; seed <= 20; ++seed) {
         const std::vector<Aabb> boxes = random_boxes(7, seed);
-        Bvh tree = restructure_treelets(make_builder("lbvh").build(mesh_of_boxes(boxes)));
+        Bvh tree = restructure_treelets(built_tree("lbvh", mesh_of_boxes(boxes)));
         const optimizer::EditTree edit(tree.nodes);
         CHECK(edit.inner_half_area() == Approx(AllTrees(boxes).least_area()).epsilon(1e-5));
     }
 }
 
 TEST_CASE("treelet: treelets of seven leaves find more than those of three, and fields out of range are named") {
-    const Bvh tree = make_builder("lbvh").build(generate_scene("clustered", 10000));
+    const Bvh tree = built_tree("lbvh", generate_scene("clustered", 10000));
     const auto cost_with = [&](std::uint32_t leaves) {
         TreeletConfig config;
         config.leaves = leaves;

@@ -27,7 +27,7 @@ double sweep_cost(const Mesh& mesh) {
 TEST_CASE("rebuild: a tree that fits one subtree becomes the sweep's, but for ties") {
     const Mesh mesh = generate_scene("soup", 900);
     OptimizeStats stats;
-    const Bvh tree = rebuild(make_builder("lbvh").build(mesh), {}, &stats);
+    const Bvh tree = rebuild(built_tree("lbvh", mesh), {}, &stats);
     CHECK(validate(tree, mesh).error == "");
     CHECK(sah_cost(tree) == Approx(sweep_cost(mesh)).epsilon(1e-3));
     CHECK(stats.passes == 1);
@@ -36,7 +36,7 @@ TEST_CASE("rebuild: a tree that fits one subtree becomes the sweep's, but for ti
 
 TEST_CASE("rebuild: the whole follows where the parts gained, and not where they did not") {
     const Mesh mesh = generate_scene("sphere", 20000);
-    const Bvh clustered = make_builder("plocpp").build(mesh);
+    const Bvh clustered = built_tree("plocpp", mesh);
     OptimizeStats stats;
     CHECK(sah_cost(rebuild(clustered, {}, &stats)) == Approx(sweep_cost(mesh)).epsilon(1e-3));
     CHECK(stats.passes == 2);
@@ -75,7 +75,7 @@ TEST_CASE("rebuild: settings out of their range are named") {
 
 TEST_CASE("rebuild: a pass that is cancelled keeps what it has done, and counts it") {
     const Mesh mesh = generate_scene("sphere", 20000);
-    const Bvh tree = make_builder("plocpp").build(mesh);
+    const Bvh tree = built_tree("plocpp", mesh);
     RebuildConfig config;
     config.subtree_leaves = 32;  // hundreds of subtrees
     int left = 4;

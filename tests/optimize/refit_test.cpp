@@ -42,7 +42,7 @@ TEST_CASE("refit: the tree of every builder fits the moved mesh, and both costs 
                 INFO(scene << ", " << builder.id << ", leaves of " << leaf_size);
                 BuildOptions options;
                 options.max_leaf_size = leaf_size;
-                Bvh tree = make_builder(builder.id, options).build(mesh);
+                Bvh tree = built_tree(builder.id, mesh, options);
                 const double before = sah_cost(tree);
                 const SahCosts costs{2.0, 0.5};
                 const double dear_before = sah_cost(tree, costs);
@@ -61,7 +61,7 @@ TEST_CASE("refit: the tree of every builder fits the moved mesh, and both costs 
 
 TEST_CASE("refit: a mesh that did not move changes no byte") {
     const Mesh mesh = generate_scene("terrain", 5000);
-    const Bvh tree = make_builder("plocpp").build(mesh);
+    const Bvh tree = built_tree("plocpp", mesh);
     Bvh fitted = tree;
     const RefitStats stats = refit(fitted, mesh);
     CHECK(same_bytes(fitted, tree));
@@ -85,7 +85,7 @@ TEST_CASE("refit: where the root has no area all nodes count as hit, before and 
     for (const std::uint32_t leaf_size : {0u, 8u}) {
         BuildOptions options;
         options.max_leaf_size = leaf_size;
-        Bvh tree = make_builder("plocpp", options).build(line);
+        Bvh tree = built_tree("plocpp", line, options);
         Refitter refitter(tree);
         double cost = sah_cost(tree);
         for (const Mesh& frame : flat_and_other_frames(line)) {
@@ -136,7 +136,7 @@ TEST_CASE("refitter: again and again what refit gives, on any number of threads"
             INFO(builder << ", leaves of " << leaf_size);
             BuildOptions options;
             options.max_leaf_size = leaf_size;
-            Bvh tree = make_builder(builder, options).build(mesh);
+            Bvh tree = built_tree(builder, mesh, options);
             Refitter refitter(tree);
             double last = sah_cost(tree);
             for (int frame = 0; frame < 3; ++frame) {
@@ -169,7 +169,7 @@ TEST_CASE("refitter: hard trees") {
 
     // Memory between the slots in use stays.
     const Mesh small = random_triangles(3000);
-    const Bvh tight = make_builder("plocpp").build(small);
+    const Bvh tight = built_tree("plocpp", small);
     Bvh sparse = with_strays(tight);
     const Node stray = sparse.nodes[6];
     const Mesh turned = twisted(small);
@@ -180,7 +180,7 @@ TEST_CASE("refitter: hard trees") {
 
     for (const std::uint32_t count : {0u, 1u, 2u, 3u}) {
         const Mesh few = random_triangles(count);
-        Bvh tree = make_builder("lbvh").build(few);
+        Bvh tree = built_tree("lbvh", few);
         Refitter of_few(tree);
         const RefitStats stats = of_few.refit(tree, scaled(few, 2.0f));
         CHECK(validate(tree, scaled(few, 2.0f)).error == "");
@@ -191,7 +191,7 @@ TEST_CASE("refitter: hard trees") {
 
 TEST_CASE("refitter: other trees and meshes are refused") {
     const Mesh mesh = random_triangles(1000);
-    const Bvh tree = make_builder("lbvh").build(mesh);
+    const Bvh tree = built_tree("lbvh", mesh);
     Refitter refitter(tree);
     const auto expect_untouched = [&](const Bvh& given, const Mesh& other, std::initializer_list<std::string> words) {
         Bvh fitted = given;
@@ -202,10 +202,10 @@ TEST_CASE("refitter: other trees and meshes are refused") {
     infinite.vertices[7].y = std::numeric_limits<float>::infinity();
     expect_untouched(tree, infinite, {"triangle 2"});
     expect_untouched(tree, random_triangles(999), {"999 triangles"});
-    expect_untouched(make_builder("lbvh").build(random_triangles(999)), random_triangles(999), {"nodes", "1998"});
+    expect_untouched(built_tree("lbvh", random_triangles(999)), random_triangles(999), {"nodes", "1998"});
 
     // As many nodes, but others: found out, and mended by refit().
-    Bvh other = make_builder("plocpp").build(mesh);
+    Bvh other = built_tree("plocpp", mesh);
     expect_error(ErrorCode::invalid_input, {"not those that the refitter was made for"},
                  [&] { refitter.refit(other, mesh); });
     refit(other, mesh);

@@ -126,7 +126,7 @@ double best_gain_of_all(const Bvh& tree, std::uint32_t from) {
 
 TEST_CASE("reinsertion: the place that is found is the best of all") {
     for (const char* const scene : {"soup", "clustered", "city", "hair"}) {
-        const Bvh tree = make_builder("lbvh").build(generate_scene(scene, 120));
+        const Bvh tree = built_tree("lbvh", generate_scene(scene, 120));
         Bvh edited = tree;
         const EditTree edit(edited.nodes);
         ReinsertionSearch search(edit);
@@ -145,7 +145,7 @@ TEST_CASE("reinsertion: the place that is found is the best of all") {
 
 TEST_CASE("reinsertion: a move saves what it says, or leaves every byte as it was") {
     const Mesh mesh = generate_scene("city", 300);
-    Bvh tree = make_builder("lbvh").build(mesh);
+    Bvh tree = built_tree("lbvh", mesh);
     EditTree edit(tree.nodes);
     ReinsertionMove move(edit);
     const std::vector<std::uint32_t> slots = movable_slots(tree);
@@ -171,7 +171,7 @@ TEST_CASE("reinsertion: a move saves what it says, or leaves every byte as it wa
 }
 
 TEST_CASE("reinsertion: candidates are as many as asked for, those first whose parents are much larger") {
-    Bvh tree = make_builder("lbvh").build(generate_scene("clustered", 20000));
+    Bvh tree = built_tree("lbvh", generate_scene("clustered", 20000));
     const EditTree edit(tree.nodes);
     optimizer::Candidates candidates(edit);
     CHECK(candidates.initial_area() == edit.inner_half_area());
@@ -194,13 +194,13 @@ TEST_CASE("reinsertion: candidates are as many as asked for, those first whose p
             std::ranges::count_if(movable, [&](std::uint32_t slot) { return worth(slot) > 1.2f * least; });
         CHECK(static_cast<double>(better) <= wanted);
     }
-    Bvh equal = make_builder("lbvh").build(coincident_triangles(5000));
+    Bvh equal = built_tree("lbvh", coincident_triangles(5000));
     const EditTree equal_edit(equal.nodes);
     CHECK(optimizer::Candidates(equal_edit).choose(0.01).size() == movable_slots(equal).size() / 100);
 }
 
 TEST_CASE("reinsertion: candidates after moves are those of the tree as it then is") {
-    Bvh tree = make_builder("lbvh").build(generate_scene("clustered", 3000));
+    Bvh tree = built_tree("lbvh", generate_scene("clustered", 3000));
     EditTree edit(tree.nodes);
     optimizer::Candidates candidates(edit);
     ReinsertionSearch search(edit);

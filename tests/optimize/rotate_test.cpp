@@ -39,7 +39,7 @@ struct PickOne {
 
 TEST_CASE("rotate: each of the six exchanges saves what the areas say afterwards") {
     const Mesh mesh = generate_scene("city", 200);
-    const Bvh tree = make_builder("lbvh").build(mesh);
+    const Bvh tree = built_tree("lbvh", mesh);
     std::size_t seen = 0;
     for (const std::uint32_t slot : inner_slots(tree)) {
         for (std::uint32_t index = 0; index < 6; ++index) {
@@ -60,7 +60,7 @@ TEST_CASE("rotate: each of the six exchanges saves what the areas say afterwards
 
 TEST_CASE("rotate: where it ends, no exchange saves anything") {
     for (const char* const builder : {"lbvh", "sweep-sah", "plocpp"}) {
-        Bvh tree = rotate(make_builder(builder).build(generate_scene("clustered", 3000)));
+        Bvh tree = rotate(built_tree(builder, generate_scene("clustered", 3000)));
         const EditTree edit(tree.nodes);
         for (const std::uint32_t slot : inner_slots(tree)) {
             INFO(builder << ", slot " << slot);
@@ -70,7 +70,7 @@ TEST_CASE("rotate: where it ends, no exchange saves anything") {
 }
 
 TEST_CASE("rotate: siblings are ordered along the axis that separates them best") {
-    const Bvh tree = rotate(make_builder("lbvh").build(generate_scene("city", 2000)));
+    const Bvh tree = rotate(built_tree("lbvh", generate_scene("city", 2000)));
     for (const std::uint32_t slot : inner_slots(tree)) {
         const Node& a = tree.nodes[tree.nodes[slot].first];
         const Node& b = tree.nodes[tree.nodes[slot].first + 1];
@@ -84,7 +84,7 @@ TEST_CASE("rotate: siblings are ordered along the axis that separates them best"
 }
 
 TEST_CASE("anneal: goes below hill climbing, depends on its seed alone, and cold is hill climbing") {
-    const Bvh tree = make_builder("lbvh").build(generate_scene("clustered", 3000));
+    const Bvh tree = built_tree("lbvh", generate_scene("clustered", 3000));
     const double climbed = sah_cost(rotate(tree));
     AnnealConfig config;
     config.length = 300;

@@ -6,16 +6,23 @@
 
 #include "clbvh/core/validate.hpp"
 #include "clbvh/device/context.hpp"
+#include "clbvh/host/collapse.hpp"
 #include "support/compare_trees.hpp"
 #include "support/oracle/tree_oracle.hpp"
 
 namespace clbvh::test {
 namespace {
 
+#if defined(CLBVH_NO_OPENCL)
+constexpr bool kHasOpenCl = false;
+#else
+constexpr bool kHasOpenCl = true;
+#endif
+
 std::vector<std::string_view> builders_of(BuilderKind kind) {
     std::vector<std::string_view> ids;
     for (const BuilderInfo& info : builders()) {
-        if (info.kind == kind) ids.push_back(info.id);
+        if (info.kind == kind && can_run(info.id)) ids.push_back(info.id);
     }
     return ids;
 }
@@ -27,6 +34,10 @@ const Context& shared_context() {
     return context;
 }
 
+bool can_run(std::string_view id) {
+    return kHasOpenCl || find_builder(id).kind == BuilderKind::host;
+}
+
 std::vector<std::string_view> device_builders() {
     return builders_of(BuilderKind::device);
 }
@@ -36,7 +47,15 @@ std::vector<std::string_view> host_builders() {
 }
 
 Builder make_builder(std::string_view id, const BuildOptions& options) {
-    return Builder(id, shared_context(), options);
+    return kHasOpenCl ? Builder(id, shared_context(), options) : Builder(id, options);
+}
+
+Bvh built_tree(std::string_view id, const Mesh& mesh, const BuildOptions& options) {
+    if (can_run(id)) return make_builder(id, options).build(mesh);
+    BuildOptions resolved = options;
+    if (resolved.ploc.range_count == 0) resolved.ploc.range_count = 8;
+    const Bvh tree = oracle_tree(id, morton_order(mesh, resolved), resolved).bvh;
+    return options.max_leaf_size > 0 ? collapse(tree, {options.max_leaf_size}) : tree;
 }
 
 BuildOptions options_of(Shape shape, std::uint32_t radius) {

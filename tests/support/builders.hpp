@@ -12,14 +12,21 @@ namespace clbvh::test {
 /// The context that all tests of one process share, so that each program is built once.
 [[nodiscard]] const Context& shared_context();
 
-/// Ids of the table's device builders.
+/// Whether this builder, or preset, can run: in a build without OpenCL only those of the host can.
+[[nodiscard]] bool can_run(std::string_view id);
+
+/// Ids of the table's device builders that can run.
 [[nodiscard]] std::vector<std::string_view> device_builders();
 
 /// Ids of the table's host builders.
 [[nodiscard]] std::vector<std::string_view> host_builders();
 
-/// A builder on the shared context.
+/// A builder on the shared context, where there is one.
 [[nodiscard]] Builder make_builder(std::string_view id, const BuildOptions& options = {});
+
+/// The builder's tree. Of one that cannot run, its oracle's, which is the same bytes; max_leaf_size is then the only
+/// option heeded beside those of oracle_tree().
+[[nodiscard]] Bvh built_tree(std::string_view id, const Mesh& mesh, const BuildOptions& options = {});
 
 /// Options of one shape, with a number of Morton ranges that oracles know.
 [[nodiscard]] BuildOptions options_of(Shape shape, std::uint32_t radius = 16);

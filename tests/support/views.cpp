@@ -3,6 +3,8 @@
 #include <limits>
 #include <utility>
 
+#include "clbvh/io/scene.hpp"
+
 namespace clbvh::test {
 namespace {
 
@@ -48,6 +50,24 @@ std::vector<Vec3> one_by_one(const Mesh& mesh) {
 }
 
 }  // namespace
+
+Mesh mesh_with_inactive() {
+    Mesh mesh = generate_scene("hair", 1500);
+    mesh.vertices[100].y = std::numeric_limits<float>::quiet_NaN();
+    mesh.vertices[701].z = std::numeric_limits<float>::quiet_NaN();
+    return mesh;
+}
+
+std::vector<Ray> rays_to_vertices(const Aabb& box, const Mesh& mesh) {
+    std::vector<Ray> rays;
+    for (std::uint32_t i = 0; i < 200; ++i) {
+        const Vec3 target = mesh.vertices[7 * i];
+        rays.push_back({{box.lower.x - 1, box.lower.y - 2, box.lower.z - 3},
+                        0,
+                        {target.x - box.lower.x + 1, target.y - box.lower.y + 2, target.z - box.lower.z + 3}});
+    }
+    return rays;
+}
 
 std::vector<ViewedMesh> layouts_of(const Mesh& mesh) {
     std::vector<ViewedMesh> layouts;

@@ -5,8 +5,15 @@
 #include <vector>
 
 #include "clbvh/core/mesh.hpp"
+#include "clbvh/core/ray.hpp"
 
 namespace clbvh::test {
+
+/// Triangles that share vertices; some are inactive.
+[[nodiscard]] Mesh mesh_with_inactive();
+
+/// Rays to some of the mesh's vertices from a point outside its box.
+[[nodiscard]] std::vector<Ray> rays_to_vertices(const Aabb& box, const Mesh& mesh);
 
 /// A mesh in arrays that lie otherwise, with numbers between the elements that must not be read.
 struct ViewedMesh {

@@ -94,7 +94,7 @@ TEST_CASE("the closest hit does not depend on a tree that a device built") {
         const std::vector<Hit> expected = closest_without_tree(mesh, rays, TriangleTest::watertight);
         for (const std::string_view id : device_builders()) {
             INFO(scene << ", " << id);
-            const Bvh bvh = make_builder(id).build(mesh);
+            const Bvh bvh = built_tree(id, mesh);
             CHECK(count_differences(Tracer(bvh, mesh), rays, expected) == 0);
         }
     }

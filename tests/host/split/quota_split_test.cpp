@@ -188,6 +188,7 @@ TEST_CASE("quota_split: every builder's tree over the parts is proven, whatever 
         {"huge", scaled(generate_scene("hair", 400), largest_scale(generate_scene("hair", 400)))},
     };
     for (const BuilderInfo& info : builders()) {
+        if (!can_run(info.id)) continue;
         for (const auto& [name, mesh] : meshes) {
             for (const float quota : {0.3f, 4.0f}) {
                 INFO(info.id << ", " << name << ", " << quota);
@@ -246,37 +247,41 @@ TEST_CASE("quota_split: a quota out of range, or beside a level, is refused") {
 
 TEST_CASE("treelet-split: a build with it splits by the quota, optimises, and counts both") {
     const Mesh mesh = generate_scene("hair", 5000);
-    BuildOptions options;
-    options.max_leaf_size = 4;
-    options.optimizers = "treelet";
-    const double plain = sah_cost(make_builder("lbvh", options).build(mesh));
-    options.optimizers = "treelet-split";
-    Builder builder = make_builder("lbvh", options);
-    CHECK(builder.options().split_quota == 0.3f);
-    BuildStats stats;
-    const Bvh tree = builder.build(mesh, &stats);
-    CHECK(validate(tree, mesh).error == "");
-    CHECK(tree.split_references);
-    CHECK(tree.primitive_ids.size() <= 6500);
-    CHECK(sah_cost(tree) < plain);
-    CHECK(stage(stats, "presplit").host_ms > 0.0);
-    CHECK(stage(stats, "treelet-split").host_ms > 0.0);
+    for (const char* const id : {"lbvh", "median"}) {
+        if (!can_run(id)) continue;
+        INFO(id);
+        BuildOptions options;
+        options.max_leaf_size = 4;
+        options.optimizers = "treelet";
+        const double plain = sah_cost(make_builder(id, options).build(mesh));
+        options.optimizers = "treelet-split";
+        Builder builder = make_builder(id, options);
+        CHECK(builder.options().split_quota == 0.3f);
+        BuildStats stats;
+        const Bvh tree = builder.build(mesh, &stats);
+        CHECK(validate(tree, mesh).error == "");
+        CHECK(tree.split_references);
+        CHECK(tree.primitive_ids.size() <= 6500);
+        CHECK(sah_cost(tree) < plain);
+        CHECK(stage(stats, "presplit").host_ms > 0.0);
+        CHECK(stage(stats, "treelet-split").host_ms > 0.0);
 
-    BuildOptions by_hand = options;
-    by_hand.optimizers = "treelet";
-    by_hand.split_quota = 0.3f;
-    CHECK(same_bytes(make_builder("lbvh", by_hand).build(mesh), tree));
-    options.split_quota = 0.1f;  // what the caller says counts
-    CHECK(make_builder("lbvh", options).build(mesh).primitive_ids.size() <= 5500);
-    options.split_quota = 0.0f;
-    options.presplit_level = 14;
-    expect_error(ErrorCode::invalid_input, {"treelet-split", "presplit_level"},
-                 [&] { static_cast<void>(make_builder("lbvh", options)); });
+        BuildOptions by_hand = options;
+        by_hand.optimizers = "treelet";
+        by_hand.split_quota = 0.3f;
+        CHECK(same_bytes(make_builder(id, by_hand).build(mesh), tree));
+        options.split_quota = 0.1f;  // what the caller says counts
+        CHECK(make_builder(id, options).build(mesh).primitive_ids.size() <= 5500);
+        options.split_quota = 0.0f;
+        options.presplit_level = 14;
+        expect_error(ErrorCode::invalid_input, {"treelet-split", "presplit_level"},
+                     [&] { static_cast<void>(make_builder(id, options)); });
+    }
 }
 
 TEST_CASE("treelet-split: a finished tree is refused, with what to do instead") {
     const Mesh mesh = random_triangles(100);
-    const Bvh tree = make_builder("lbvh").build(mesh);
+    const Bvh tree = built_tree("lbvh", mesh);
     for (const char* const ids : {"treelet-split", "rotate,treelet-split"}) {
         expect_error(ErrorCode::invalid_input, {"treelet-split", "BuildOptions::optimizers", "split_quota", "treelet"},
                      [&] { static_cast<void>(optimize(tree, ids)); });
