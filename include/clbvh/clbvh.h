@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-/** What went wrong; the values of clbvh::ErrorCode. */
+/** Kinds of failure: the values of clbvh::ErrorCode, and CLBVH_INTERNAL. */
 typedef enum clbvh_error {
     CLBVH_OK = 0,
     CLBVH_INVALID_INPUT = 1,  /**< The caller's data or options are out of their documented range. */
@@ -22,7 +22,8 @@ typedef enum clbvh_error {
     CLBVH_DEVICE_FAILURE = 4, /**< An OpenCL call failed for a reason other than memory. */
     CLBVH_OUT_OF_MEMORY = 5,  /**< Host or device memory is exhausted. */
     CLBVH_IO = 6,             /**< A file could not be read, parsed or written. */
-    CLBVH_CANCELLED = 7       /**< The progress callback asked to stop. */
+    CLBVH_CANCELLED = 7,      /**< The progress callback asked to stop. */
+    CLBVH_INTERNAL = 8        /**< Anything else: a fault of the library, or an exception that a callback threw. */
 } clbvh_error;
 
 /** One node, 32 bytes; see clbvh::Node. count == 0: inner, children first and first + 1; else a leaf over
@@ -50,14 +51,17 @@ CLBVH_API clbvh_error clbvh_create_builder(const char* id, const char* device, c
 /** Sets an option for the next clbvh_build: clbvh_set_option(builder, "max_leaf_size", "8"). Each builder reads those
    that concern it. Fails with CLBVH_INVALID_INPUT, naming the option and what it takes, where the value is none of
    that, or there is no such option; the options are then as they were. Options that contradict each other, or ask for
-   what the device cannot do, make clbvh_build fail. */
+   what the device cannot do, make clbvh_build fail. After a change of value the next clbvh_build loads its programs and
+   gets its memory anew; the value that is there changes nothing. */
 CLBVH_API clbvh_error clbvh_set_option(clbvh_builder* builder, const char* name, const char* value);
 
 /** The value of an option as clbvh_set_option takes it, valid until the next call with this builder. Null after a
    failure. What a preset puts in the place of defaults is not among it. */
 CLBVH_API const char* clbvh_get_option(clbvh_builder* builder, const char* name);
 
-/** Calls `progress`, which may be null, with `user` during the next clbvh_build and those after it. */
+/** Calls `progress`, which may be null, with `user` during the next clbvh_build and those after it. Like an option,
+   going from no callback to one or back costs the next clbvh_build its programs and memory; going from one callback to
+   another does not. */
 CLBVH_API clbvh_error clbvh_set_progress(clbvh_builder* builder, clbvh_progress progress, void* user);
 
 /** The values that an option has. */
@@ -73,15 +77,15 @@ typedef enum clbvh_option_type {
 typedef struct clbvh_option {
     const char* name; /**< "max_leaf_size", "ploc.search_radius"; see clbvh::BuildOptions. */
     clbvh_option_type type;
-    const char* values;        /**< What it takes, for people: "1 to 32". */
+    const char* values;        /**< Its range, for people: "1 to 32". */
     const char* default_value; /**< As clbvh_get_option says it. */
-    const char* help;          /**< What it does. */
+    const char* help;          /**< Its effect, in a sentence. */
     const char* readers;       /**< "all" builders, all "device" builders, or ids with ", " between them. */
 } clbvh_option;
 
-/** How many options there are. */
+/** How many options there are; 0 where the host has no memory left. */
 CLBVH_API uint32_t clbvh_option_count(void);
-/** The option of that index, below clbvh_option_count; else null. */
+/** The option of that index, below clbvh_option_count; else, and where the host has no memory left, null. */
 CLBVH_API const clbvh_option* clbvh_option_info(uint32_t index);
 
 /** Destroys the builder and its tree; null is allowed. */
@@ -126,12 +130,12 @@ CLBVH_API clbvh_error clbvh_build_boxes(clbvh_builder* builder, const clbvh_box_
 typedef struct clbvh_budget {
     uint32_t size;           /**< sizeof(clbvh_budget) of the caller. */
     uint32_t passes;         /**< Most passes over the tree of each optimizer; 0: its own limit. */
-    double milliseconds;     /**< No new work is begun after so much time, for each; 0: no limit. */
+    double milliseconds;     /**< No new work is begun after so much time, 0 or more, for each; 0: no limit. */
     clbvh_progress progress; /**< May be null. Returning 0 stops: the tree is then as improved so far. */
     void* progress_user;     /**< Handed to `progress`. */
 } clbvh_budget;
 
-/** What clbvh_optimize did. Set `size`; later versions may append fields. */
+/** Statistics of a clbvh_optimize. Set `size`; later versions may append fields. */
 typedef struct clbvh_optimize_stats {
     uint32_t size;         /**< sizeof(clbvh_optimize_stats) of the caller. */
     uint32_t passes;       /**< Passes that were finished. */
@@ -181,7 +185,8 @@ CLBVH_API const uint32_t* clbvh_primitive_ids(const clbvh_builder* builder, uint
     boxes cover the triangle together, and there may be more ids than triangles. */
 CLBVH_API int clbvh_has_split_references(const clbvh_builder* builder);
 
-/** What the last failed call of this thread says; never null. */
+/** The message of this thread's last failed call, valid until its next; "" before the first, never null. At most 4095
+    bytes: longer ones are cut. */
 CLBVH_API const char* clbvh_last_error(void);
 
 #ifdef __cplusplus

@@ -64,7 +64,7 @@ struct BuildOptions {
 /// contradict each other.
 CLBVH_API void check_options(const BuildOptions& options);
 
-/// What values an option has, and how a text says them.
+/// The kind of values that an option has, and how a text says them.
 enum class OptionType : std::uint8_t {
     whole,    ///< std::uint32_t: "16".
     real,     ///< float: "0.3", "1e-05".
@@ -78,17 +78,18 @@ struct OptionInfo {
     std::string_view name;     ///< Its member in BuildOptions: "max_leaf_size", "ploc.search_radius".
     std::string_view flag;     ///< That of the command line: "--radius". Options that share one are set together.
     std::string_view group;    ///< The heading that it stands under in lists.
-    std::string_view help;     ///< What it does, in one sentence.
+    std::string_view help;     ///< Its effect, in one sentence.
     std::string_view readers;  ///< "all" builders, all "device" builders, or ids with ", " between them.
     OptionType type;
     std::string values;                     ///< Which values are allowed, for people: "1 to 32".
     std::string default_value;              ///< That of BuildOptions, as get_option says it.
-    std::string_view implied;               ///< What the flag alone stands for, without a value; empty: it needs one.
+    std::string_view implied;               ///< The value of the flag alone; empty: it needs a value.
     std::vector<std::string_view> choices;  ///< The names of OptionType::choice, in order.
 };
 
-/// Every option, in the order in which lists show them. Options of one group follow each other.
-[[nodiscard]] CLBVH_API std::span<const OptionInfo> options() noexcept;
+/// Every option, in the order in which lists show them. Options of one group follow each other. The first call throws
+/// Error(out_of_memory) where the host has no memory for the table.
+[[nodiscard]] CLBVH_API std::span<const OptionInfo> options();
 
 /// The row of `name`. Throws Error(invalid_input) that lists the known names.
 [[nodiscard]] CLBVH_API const OptionInfo& find_option(std::string_view name);

@@ -1,13 +1,12 @@
-#include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <deque>
 #include <memory>
-#include <new>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "c/guarded.hpp"
+#include "c/known_fields.hpp"
 #include "clbvh/clbvh.h"
 #include "clbvh/clbvh.hpp"
 
@@ -16,7 +15,9 @@ static_assert(sizeof(clbvh_node) == sizeof(clbvh::Node));
 struct clbvh_builder {
     std::string id;
     std::optional<clbvh::Context> context;  // absent for builders of the host
-    clbvh::BuildOptions options;
+    clbvh::BuildOptions options;            // their progress calls this one:
+    clbvh_progress progress = nullptr;
+    void* progress_user = nullptr;
     std::optional<clbvh::Builder> builder;  // once it has built with these options
     std::string text;                       // what clbvh_get_option returned last
     clbvh::Bvh bvh;
@@ -26,27 +27,11 @@ struct clbvh_builder {
 
 namespace {
 
-thread_local std::string last_error;
+using clbvh::c::guarded;
 
-// Runs `body`; what it throws becomes a code, and its message clbvh_last_error.
-template <class Body>
-clbvh_error guarded(Body&& body) noexcept {
-    try {
-        body();
-        return CLBVH_OK;
-    } catch (const clbvh::Error& error) {
-        last_error = error.what();
-        return static_cast<clbvh_error>(error.code());
-    } catch (const std::bad_alloc&) {
-        last_error = "the host has no memory left";
-        return CLBVH_OUT_OF_MEMORY;
-    } catch (const std::exception& error) {
-        last_error = error.what();
-        return CLBVH_DEVICE_FAILURE;
-    }
-}
-
-// The first structures that there were: no caller knows fewer fields.
+// The first structures that there were: no caller knows fewer fields. They stay when fields are appended.
+constexpr std::size_t kSmallestMeshView = offsetof(clbvh_mesh_view, index_stride) + sizeof(std::uint32_t);
+constexpr std::size_t kSmallestBoxView = offsetof(clbvh_box_view, count) + sizeof(std::uint64_t);
 constexpr std::size_t kSmallestBudget = offsetof(clbvh_budget, progress_user) + sizeof(void*);
 constexpr std::size_t kSmallestStats = offsetof(clbvh_optimize_stats, is_cancelled) + sizeof(std::uint32_t);
 
@@ -72,14 +57,19 @@ clbvh::ProgressCallback to_callback(clbvh_progress callback, void* user) {
     return [callback, user](const clbvh::Progress& progress) { return report(callback, user, progress); };
 }
 
+/// Calls whatever callback the handle has when it is called.
+clbvh::ProgressCallback watch(const clbvh_builder& handle) {
+    return
+        [&handle](const clbvh::Progress& progress) { return report(handle.progress, handle.progress_user, progress); };
+}
+
 clbvh::OptimizeBudget to_budget(const clbvh_budget* given) {
     clbvh::OptimizeBudget result;
     if (given == nullptr) return result;
-    require(given->size >= kSmallestBudget, "clbvh_budget.size is not set to sizeof(clbvh_budget)");
-    require(given->milliseconds >= 0.0, "clbvh_budget.milliseconds is negative or not a number");
-    result.passes = given->passes;
-    result.milliseconds = given->milliseconds;
-    result.progress = to_callback(given->progress, given->progress_user);
+    const auto known = clbvh::c::known_fields(*given, kSmallestBudget, "clbvh_budget");
+    result.passes = known.passes;
+    result.milliseconds = known.milliseconds;
+    result.progress = to_callback(known.progress, known.progress_user);
     return result;
 }
 
@@ -92,22 +82,22 @@ clbvh::MeshView to_view(const float* vertices, std::uint64_t vertex_count, const
 
 clbvh::MeshView to_view(const clbvh_mesh_view* given) {
     require(given != nullptr, "mesh is null");
-    require(given->size >= sizeof(clbvh_mesh_view), "clbvh_mesh_view.size is not set to sizeof(clbvh_mesh_view)");
-    require(given->index_type <= CLBVH_INDEX_UINT16, "clbvh_mesh_view.index_type is not 0 or 1");
-    clbvh::MeshView view{given->vertices, given->vertex_count};
-    if (given->vertex_stride != 0) view.vertex_stride = given->vertex_stride;
-    view.indices = given->indices;
-    view.triangle_count = given->triangle_count;
-    view.index_type = given->index_type == CLBVH_INDEX_UINT16 ? clbvh::IndexType::uint16 : clbvh::IndexType::uint32;
-    view.index_stride = given->index_stride;
+    const auto known = clbvh::c::known_fields(*given, kSmallestMeshView, "clbvh_mesh_view");
+    require(known.index_type <= CLBVH_INDEX_UINT16, "clbvh_mesh_view.index_type is not 0 or 1");
+    clbvh::MeshView view{known.vertices, known.vertex_count};
+    if (known.vertex_stride != 0) view.vertex_stride = known.vertex_stride;
+    view.indices = known.indices;
+    view.triangle_count = known.triangle_count;
+    view.index_type = known.index_type == CLBVH_INDEX_UINT16 ? clbvh::IndexType::uint16 : clbvh::IndexType::uint32;
+    view.index_stride = known.index_stride;
     return view;
 }
 
 clbvh::BoxView to_view(const clbvh_box_view* given) {
     require(given != nullptr, "boxes is null");
-    require(given->size >= sizeof(clbvh_box_view), "clbvh_box_view.size is not set to sizeof(clbvh_box_view)");
-    clbvh::BoxView view{given->boxes, given->count};
-    if (given->stride != 0) view.stride = given->stride;
+    const auto known = clbvh::c::known_fields(*given, kSmallestBoxView, "clbvh_box_view");
+    clbvh::BoxView view{known.boxes, known.count};
+    if (known.stride != 0) view.stride = known.stride;
     return view;
 }
 
@@ -207,7 +197,10 @@ clbvh_error clbvh_set_option(clbvh_builder* builder, const char* name, const cha
         require(builder != nullptr, "builder is null");
         require(name != nullptr, "name is null");
         require(value != nullptr, "value is null");
-        clbvh::set_option(builder->options, name, value);
+        clbvh::BuildOptions changed = builder->options;
+        clbvh::set_option(changed, name, value);
+        if (clbvh::get_option(changed, name) == clbvh::get_option(builder->options, name)) return;
+        builder->options = std::move(changed);
         builder->builder.reset();
     });
 }
@@ -226,17 +219,31 @@ const char* clbvh_get_option(clbvh_builder* builder, const char* name) {
 clbvh_error clbvh_set_progress(clbvh_builder* builder, clbvh_progress progress, void* user) {
     return guarded([&] {
         require(builder != nullptr, "builder is null");
-        builder->options.progress = to_callback(progress, user);
-        builder->builder.reset();
+        const bool is_watched = progress != nullptr;
+        // The builder keeps a way to the handle: another callback needs no other builder, and so no new memory.
+        if (is_watched != static_cast<bool>(builder->options.progress)) {
+            builder->options.progress = nullptr;
+            if (is_watched) builder->options.progress = watch(*builder);
+            builder->builder.reset();
+        }
+        builder->progress = progress;
+        builder->progress_user = user;
     });
 }
 
 uint32_t clbvh_option_count(void) {
-    return static_cast<uint32_t>(clbvh::options().size());
+    uint32_t count = 0;
+    guarded([&] { count = static_cast<uint32_t>(clbvh::options().size()); });
+    return count;
 }
 
 const clbvh_option* clbvh_option_info(uint32_t index) {
-    return index < option_texts().size() ? &option_texts()[index].row : nullptr;
+    const clbvh_option* row = nullptr;
+    guarded([&] {
+        require(index < option_texts().size(), "there is no option of that index");
+        row = &option_texts()[index].row;
+    });
+    return row;
 }
 
 void clbvh_destroy_builder(clbvh_builder* builder) {
@@ -261,20 +268,18 @@ clbvh_error clbvh_optimize(clbvh_builder* builder, const char* ids, const clbvh_
     return guarded([&] {
         require_tree(builder);
         require(ids != nullptr, "ids is null");
-        require(stats == nullptr || stats->size >= kSmallestStats,
-                "clbvh_optimize_stats.size is not set to sizeof(clbvh_optimize_stats)");
+        if (stats != nullptr) clbvh::c::check_size(stats->size, kSmallestStats, "clbvh_optimize_stats");
         clbvh::OptimizeStats done;
         clbvh::Bvh better = clbvh::optimize(builder->bvh, ids, to_budget(budget), &done);
         if (stats != nullptr) {
-            const clbvh_optimize_stats known{stats->size,
-                                             done.passes,
-                                             done.changes,
-                                             done.milliseconds,
-                                             clbvh::sah_cost(builder->bvh),
-                                             clbvh::sah_cost(better),
-                                             done.is_cancelled ? 1u : 0u,
-                                             0};
-            std::memcpy(stats, &known, std::min<std::size_t>(stats->size, sizeof(known)));
+            clbvh_optimize_stats known{};
+            known.passes = done.passes;
+            known.changes = done.changes;
+            known.milliseconds = done.milliseconds;
+            known.sah_before = clbvh::sah_cost(builder->bvh);
+            known.sah_after = clbvh::sah_cost(better);
+            known.is_cancelled = done.is_cancelled ? 1 : 0;
+            clbvh::c::write_known_fields(known, *stats);
         }
         builder->refitter.reset();
         builder->bvh = std::move(better);
@@ -328,5 +333,5 @@ int clbvh_has_split_references(const clbvh_builder* builder) {
 }
 
 const char* clbvh_last_error(void) {
-    return last_error.c_str();
+    return clbvh::c::last_message();
 }

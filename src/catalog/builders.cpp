@@ -1,6 +1,6 @@
 #include <algorithm>
+#include <array>
 #include <string>
-#include <vector>
 
 #include "catalog/builder_rows.hpp"
 #include "clbvh/core/error.hpp"
@@ -129,9 +129,9 @@ const BuilderRow kRows[] = {
 }  // namespace
 
 std::span<const BuilderInfo> builders() noexcept {
-    static const std::vector<BuilderInfo> infos = [] {
-        std::vector<BuilderInfo> list;
-        std::ranges::transform(kRows, std::back_inserter(list), &BuilderRow::info);
+    static const auto infos = [] {
+        std::array<BuilderInfo, std::size(kRows)> list;
+        std::ranges::transform(kRows, list.begin(), &BuilderRow::info);
         return list;
     }();
     return infos;

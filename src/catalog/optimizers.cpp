@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -109,12 +110,13 @@ OptimizeBudget part_of(const OptimizeBudget& budget, std::size_t i, std::size_t 
 }  // namespace
 
 std::span<const OptimizerInfo> optimizers() noexcept {
-    static const std::vector<OptimizerInfo> infos = [] {
-        std::vector<OptimizerInfo> list;
-        for (const OptimizerRow& row : kRows) {
-            list.push_back(row.info);
-            list.back().on_device = row.device_row != nullptr;
-        }
+    static const auto infos = [] {
+        std::array<OptimizerInfo, std::size(kRows)> list;
+        std::ranges::transform(kRows, list.begin(), [](const OptimizerRow& row) {
+            OptimizerInfo info = row.info;
+            info.on_device = row.device_row != nullptr;
+            return info;
+        });
         return list;
     }();
     return infos;

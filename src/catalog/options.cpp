@@ -6,6 +6,7 @@
 #include "catalog/option_rows.hpp"
 #include "clbvh/catalog.hpp"
 #include "clbvh/core/error.hpp"
+#include "core/memory_errors.hpp"
 
 namespace clbvh {
 namespace {
@@ -57,12 +58,12 @@ void check_left_alone(std::string_view name, const Config& config) {
 
 }  // namespace
 
-std::span<const OptionInfo> options() noexcept {
-    static const std::vector<OptionInfo> infos = [] {
+std::span<const OptionInfo> options() {
+    static const std::vector<OptionInfo> infos = with_memory_errors("the table of options", [] {
         std::vector<OptionInfo> list;
         std::ranges::transform(option_rows(), std::back_inserter(list), info_of);
         return list;
-    }();
+    });
     return infos;
 }
 

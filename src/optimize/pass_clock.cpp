@@ -1,8 +1,17 @@
 #include "optimize/pass_clock.hpp"
 
 #include <algorithm>
+#include <string>
+
+#include "core/check_field.hpp"
 
 namespace clbvh::optimizer {
+
+void check_budget(const OptimizeBudget& budget) {
+    // Infinity is a time like any other. A NaN is not 0 or more.
+    if (budget.milliseconds >= 0.0) return;
+    reject_field("budget.milliseconds", std::to_string(budget.milliseconds), "0 or more");
+}
 
 PassClock::PassClock(std::string_view name, const OptimizeBudget& budget, std::uint32_t own_limit)
     : name_(name), budget_(budget), most_passes_(budget.passes > 0 ? budget.passes : own_limit) {}

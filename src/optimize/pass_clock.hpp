@@ -7,6 +7,9 @@
 
 namespace clbvh::optimizer {
 
+/// Throws Error(invalid_input) where the budget's time is negative or not a number.
+void check_budget(const OptimizeBudget& budget);
+
 /// Keeps an optimiser within its budget, and the books of it.
 class PassClock {
 public:

@@ -54,7 +54,8 @@ struct Subtree {
     }
 };
 
-/// What a thread builds in. Its memory stays from subtree to subtree: fresh pages would cost more than the build.
+/// The memory that a thread builds in. Its memory stays from subtree to subtree: fresh pages would cost more than the
+/// build.
 struct Workspace {
     Subtree old;
     std::vector<Aabb> boxes;
@@ -205,7 +206,7 @@ private:
 Bvh rebuild(Bvh tree, const RebuildConfig& config, OptimizeStats* stats) {
     check_range("subtree_leaves", config.subtree_leaves, 3, std::numeric_limits<std::uint32_t>::max());
     check_range("whole_gain", config.whole_gain, 0.0f, 1.0f);
-    return optimizer::run_optimizer(std::move(tree), "rebuilding", stats,
+    return optimizer::run_optimizer(std::move(tree), config.budget, "rebuilding", stats,
                                     [&](Bvh& improved) { return Rebuilder(improved, config).run(); });
 }
 

@@ -26,7 +26,7 @@ namespace {
 
 using optimizer::RefitPlan;
 
-/// What an inner node has become.
+/// An inner node with its new box.
 struct Fitted {
     Box4 box;
     std::uint32_t pair;  ///< Of its children.

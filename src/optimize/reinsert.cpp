@@ -110,7 +110,7 @@ private:
 Bvh reinsert(Bvh tree, const ReinsertConfig& config, OptimizeStats* stats) {
     check_range("candidates", config.candidates, 1e-9f, 1.0f);
     check_range("least_gain", config.least_gain, 0.0f, 1.0f);
-    return optimizer::run_optimizer(std::move(tree), "reinsertion", stats,
+    return optimizer::run_optimizer(std::move(tree), config.budget, "reinsertion", stats,
                                     [&](Bvh& improved) { return Reinserter(improved, config).run(); });
 }
 

@@ -127,7 +127,7 @@ private:
 Bvh reinsert_batches(Bvh tree, const ReinsertBatchesConfig& config, OptimizeStats* stats) {
     check_range("batch", config.batch, 1e-9f, 1.0f);
     check_range("least_gain", config.least_gain, 0.0f, 1.0f);
-    return optimizer::run_optimizer(std::move(tree), "reinsertion", stats,
+    return optimizer::run_optimizer(std::move(tree), config.budget, "reinsertion", stats,
                                     [&](Bvh& improved) { return BatchReinserter(improved, config).run(); });
 }
 

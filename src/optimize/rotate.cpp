@@ -164,7 +164,7 @@ void order_siblings(Bvh& tree) {
 
 Bvh rotate(Bvh tree, const RotateConfig& config, OptimizeStats* stats) {
     check_range("least_gain", config.least_gain, 0.0f, 1.0f);
-    return optimizer::run_optimizer(std::move(tree), "rotations", stats, [&](Bvh& improved) {
+    return optimizer::run_optimizer(std::move(tree), config.budget, "rotations", stats, [&](Bvh& improved) {
         PassClock clock("rotate", config.budget, kMostPasses);
         EditTree edited(improved.nodes);
         Scratch scratch;
@@ -178,7 +178,7 @@ Bvh anneal(Bvh tree, const AnnealConfig& config, OptimizeStats* stats) {
     check_range("length", config.length, 1, kLongestSchedule);
     check_positive("period", config.period);
     check_range("hottest", config.hottest, 0.0f, 100.0f);
-    return optimizer::run_optimizer(std::move(tree), "annealing", stats, [&](Bvh& improved) {
+    return optimizer::run_optimizer(std::move(tree), config.budget, "annealing", stats, [&](Bvh& improved) {
         const OptimizeStats done = Annealer(improved, config).run();
         order_siblings(improved);
         return done;

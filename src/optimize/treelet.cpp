@@ -172,7 +172,7 @@ private:
 
 Bvh restructure_treelets(Bvh tree, const TreeletConfig& config, OptimizeStats* stats) {
     check_range("leaves", config.leaves, 3, TreeletSearch::kMostLeaves);
-    return optimizer::run_optimizer(std::move(tree), "treelet restructuring", stats,
+    return optimizer::run_optimizer(std::move(tree), config.budget, "treelet restructuring", stats,
                                     [&](Bvh& improved) { return TreeletOptimizer(improved, config).run(); });
 }
 

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -231,6 +232,12 @@ TEST_CASE("a finished tree is improved through the C interface, within a budget"
     CHECK(stats_to_come.later == 42);
 
     const clbvh::Bvh last = tree_of(c.handle, 5000);
+    for (const double milliseconds : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+        budget.milliseconds = milliseconds;
+        CHECK(clbvh_optimize(c.handle, "rotate", &budget, nullptr) == CLBVH_INVALID_INPUT);
+        CHECK_THAT(clbvh_last_error(), Catch::Contains("milliseconds"));
+    }
+    budget.milliseconds = 0.0;
     budget.size = 0;
     CHECK(clbvh_optimize(c.handle, "rotate", &budget, nullptr) == CLBVH_INVALID_INPUT);
     stats.size = 0;

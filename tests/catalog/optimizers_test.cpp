@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "clbvh/catalog.hpp"
 #include "clbvh/core/validate.hpp"
@@ -168,6 +169,24 @@ TEST_CASE("optimizers: passes and time are kept to") {
         CHECK(is_no_dearer(sah_cost(optimize(tree, optimizer.id, no_time, &stats)), sah_cost(tree)));
         CHECK(stats.passes == 0);
         CHECK_FALSE(stats.is_cancelled);
+    }
+}
+
+TEST_CASE("optimizers: a time that is negative or not a number is refused by name, whatever the tree") {
+    const Bvh leaf = make_builder("median").build(generate_scene("soup", 1));
+    const Bvh tree = make_builder("median").build(generate_scene("soup", 10));
+    for (const OptimizerInfo& optimizer : tree_optimizers()) {
+        INFO(optimizer.id);
+        OptimizeBudget budget;
+        for (const double milliseconds : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+            budget.milliseconds = milliseconds;
+            for (const Bvh& given : {leaf, tree}) {
+                expect_error(ErrorCode::invalid_input, {"milliseconds", "0 or more"},
+                             [&] { static_cast<void>(optimize(given, optimizer.id, budget)); });
+            }
+        }
+        budget.milliseconds = std::numeric_limits<double>::infinity();
+        CHECK_NOTHROW(optimize(tree, optimizer.id, budget));
     }
 }
 

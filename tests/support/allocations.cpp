@@ -9,17 +9,27 @@ namespace {
 
 /// Allocations that still succeed before one fails; negative: all do.
 std::atomic<long> allocations_left{-1};
+/// Those behind the one that fails do, too.
+std::atomic<bool> is_exhausted_for_good{false};
 
 std::atomic<std::size_t> least_counted{0}, counted{0};
 
 bool may_allocate() noexcept {
-    if (allocations_left.load() < 0) return true;
+    const long left = allocations_left.load();
+    if (left < 0) return true;
+    if (left == 0 && is_exhausted_for_good.load()) return false;
     return allocations_left.fetch_sub(1) > 0;
 }
 
 }  // namespace
 
 void allow_allocations(long allowed) {
+    is_exhausted_for_good = false;
+    allocations_left = allowed;
+}
+
+void allow_only_allocations(long allowed) {
+    is_exhausted_for_good = true;
     allocations_left = allowed;
 }
 

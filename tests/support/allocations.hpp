@@ -8,6 +8,8 @@ namespace clbvh::test {
 
 /// Lets the next `allowed` allocations succeed and the one behind them fail; negative: all succeed.
 void allow_allocations(long allowed);
+/// Lets the next `allowed` allocations succeed and all behind them fail, until allow_allocations(-1).
+void allow_only_allocations(long allowed);
 
 /// Counts allocations of at least `bytes` from now on, from 0.
 void count_allocations(std::size_t bytes) noexcept;
