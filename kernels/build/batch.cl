@@ -113,7 +113,7 @@ static inline uint leaves_of_tree(Input input, uint form, uint count, BatchPart 
                      global uint* primitive_ids, global uint* active_counts, global float* leaves,                     \
                      global float* inner, global uint* references, global uint* other, global float* bounds) {         \
         DECLARE_CHUNK(chunk);                                                                                          \
-        DECLARE_SEARCH(search);                                                                                        \
+        DECLARE_SEARCH_SCRATCH(search);                                                                                \
         DECLARE_MERGE(survivor, merging, chunk);                                                                       \
         local SceneBounds scratch[WORK_GROUP_SIZE];                                                                    \
         local uint scan[WORK_GROUP_SIZE];                                                                              \

@@ -1,4 +1,4 @@
-// What the kernels of a build's stages and the host both know.
+// Shared by the host and the kernels of a build's stages.
 #ifndef CLBVH_KERNELS_BUILD_CONSTANTS_H
 #define CLBVH_KERNELS_BUILD_CONSTANTS_H
 #ifdef __cplusplus

@@ -39,7 +39,7 @@ KERNEL void count_digits(global const ulong* elements, uint element_count, uint 
     store_counters(counters, counts);
 }
 
-// What becomes of an element where it belongs; each of the four kernels is compiled for its own.
+// Kinds of store at an element's new place; each of the four kernels is compiled for its own.
 #define SCATTER_PLAIN 0
 #define SCATTER_IDS 1
 #define SCATTER_REKEY 2
@@ -75,8 +75,17 @@ static inline void store_element(uint kind, Target target, uint at, ulong elemen
 #define HALF_AHEAD 16
 #endif
 
+typedef struct {
+    uint* next;  // [RADIX] where the next element of each digit goes
+} ScatterScratch;
+
+#define DECLARE_SCATTER_SCRATCH(scratch) \
+    uint scratch##_next[RADIX];          \
+    const ScatterScratch scratch = {scratch##_next};
+
 // First position of each digit of this piece.
-static inline void find_positions(global const uint* counts, uint* next) {
+static inline void find_positions(global const uint* counts, ScatterScratch scratch) {
+    uint* const next = scratch.next;
     uint total[RADIX];
     for (size_t digit = 0; digit < RADIX; ++digit) {
         next[digit] = total[digit] = 0;
@@ -99,20 +108,14 @@ static inline void find_positions(global const uint* counts, uint* next) {
 // The elements of a cache line: how far ahead of a write the memory behind it is fetched.
 #define LINE_ELEMENTS 8
 
-#define SCATTER_LOCALS \
-    PIECE_OF_ELEMENTS  \
-    uint next[RADIX];  \
-    find_positions(counts, next);
-#define SCATTER_PIECE(kind, target) scatter_piece(kind, elements, begin, end, shift, mask, next, target)
-
 // `kind` is a constant, as in store_element().
 static inline void scatter_piece(uint kind, global const ulong* elements, size_t begin, size_t end, uint shift,
-                                 uint mask, uint* next, Target target) {
+                                 uint mask, ScatterScratch scratch, Target target) {
     for (size_t i = begin; i < end; ++i) {
         const ulong element = elements[i];
         PREFETCH(elements + i + SORT_AHEAD);
         if (NEEDS_HALVES(kind)) PREFETCH(target.halves + VALUE(elements[min(i + HALF_AHEAD, end - 1)]));
-        const uint at = next[DIGIT(element, shift, mask)]++;
+        const uint at = scratch.next[DIGIT(element, shift, mask)]++;
         PREFETCH(target.elements + at + LINE_ELEMENTS);
         if (kind == SCATTER_IDS) PREFETCH(target.words + at + 2 * LINE_ELEMENTS);
         store_element(kind, target, at, element);
@@ -185,61 +188,71 @@ static inline void sort_tile(local ulong* tile, local ushort* counters, local ui
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-#define SCATTER_LOCALS                                     \
-    local ulong tile[TILE];                                \
-    local ushort counters[LOCAL_DIGITS * WORK_GROUP_SIZE]; \
-    local uint scratch[WORK_GROUP_SIZE];                   \
-    local uint next[RADIX];                                \
-    local uint run_begin[RADIX];                           \
-    local uint run_end[RADIX];                             \
-    PIECE_OF_ELEMENTS                                      \
-    FOR_WORK_ITEMS(digit, 0, RADIX) {                      \
-        next[digit] = counts[COUNT_PLACE(digit)];          \
+typedef struct {
+    local ulong* tile;       // [TILE]
+    local ushort* counters;  // [LOCAL_DIGITS * WORK_GROUP_SIZE]
+    local uint* sums;        // [WORK_GROUP_SIZE]
+    local uint* next;        // [RADIX] where the next element of each digit goes
+    local uint* run_begin;   // [RADIX] of each digit's run in the tile
+    local uint* run_end;     // [RADIX]
+} ScatterScratch;
+
+#define DECLARE_SCATTER_SCRATCH(scratch)                                                 \
+    local ulong scratch##_tile[TILE];                                                    \
+    local ushort scratch##_counters[LOCAL_DIGITS * WORK_GROUP_SIZE];                     \
+    local uint scratch##_sums[WORK_GROUP_SIZE];                                          \
+    local uint scratch##_next[RADIX];                                                    \
+    local uint scratch##_run_begin[RADIX];                                               \
+    local uint scratch##_run_end[RADIX];                                                 \
+    const ScatterScratch scratch = {scratch##_tile, scratch##_counters,  scratch##_sums, \
+                                    scratch##_next, scratch##_run_begin, scratch##_run_end};
+
+// First position of each digit of this piece. Needs a barrier behind it.
+static inline void find_positions(global const uint* counts, ScatterScratch scratch) {
+    FOR_WORK_ITEMS(digit, 0, RADIX) {
+        scratch.next[digit] = counts[COUNT_PLACE(digit)];
     }
+}
 
 // Loads and sorts the tile at `at`, and finds the run of each digit.
 static inline void load_tile(global const ulong* elements, size_t at, size_t end, uint shift, uint mask,
-                             local ulong* tile, local ushort* counters, local uint* scratch, local uint* run_begin,
-                             local uint* run_end) {
+                             ScatterScratch scratch) {
+    local ulong* const tile = scratch.tile;
     FOR_WORK_ITEMS(k, 0, TILE) {
         tile[k] = at + k < end ? elements[at + k] : ~0ul;
     }
     FOR_WORK_ITEMS(digit, 0, RADIX) {
-        run_begin[digit] = run_end[digit] = 0;
+        scratch.run_begin[digit] = scratch.run_end[digit] = 0;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint local_shift = 0; local_shift < RADIX_BITS; local_shift += LOCAL_BITS) {
-        sort_tile(tile, counters, scratch, shift, mask, local_shift);
+        sort_tile(tile, scratch.counters, scratch.sums, shift, mask, local_shift);
     }
     FOR_WORK_ITEMS(k, 0, TILE) {
         const uint digit = DIGIT(tile[k], shift, mask);
         if (k == 0 || DIGIT(tile[k - 1], shift, mask) != digit) {
-            run_begin[digit] = (uint)k;
+            scratch.run_begin[digit] = (uint)k;
         }
         if (k == TILE - 1 || DIGIT(tile[k + 1], shift, mask) != digit) {
-            run_end[digit] = (uint)k + 1;
+            scratch.run_end[digit] = (uint)k + 1;
         }
     }
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-#define SCATTER_PIECE(kind, target) \
-    scatter_piece(kind, elements, begin, end, shift, mask, tile, counters, scratch, next, run_begin, run_end, target)
-
 // `kind` is a constant, as in store_element(). Padding ends the tile that holds the piece's end.
 static inline void scatter_piece(uint kind, global const ulong* elements, size_t begin, size_t end, uint shift,
-                                 uint mask, local ulong* tile, local ushort* counters, local uint* scratch,
-                                 local uint* next, local uint* run_begin, local uint* run_end, Target target) {
+                                 uint mask, ScatterScratch scratch, Target target) {
     for (size_t tile_begin = begin; tile_begin < end; tile_begin += TILE) {
-        load_tile(elements, tile_begin, end, shift, mask, tile, counters, scratch, run_begin, run_end);
+        load_tile(elements, tile_begin, end, shift, mask, scratch);
         FOR_WORK_ITEMS(k, 0, min((size_t)TILE, end - tile_begin)) {
-            const ulong element = tile[k];
+            const ulong element = scratch.tile[k];
             const uint digit = DIGIT(element, shift, mask);
-            store_element(kind, target, next[digit] + (uint)k - run_begin[digit], element);
+            store_element(kind, target, scratch.next[digit] + (uint)k - scratch.run_begin[digit], element);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
         FOR_WORK_ITEMS(digit, 0, RADIX) {
-            next[digit] += run_end[digit] - run_begin[digit];
+            scratch.next[digit] += scratch.run_end[digit] - scratch.run_begin[digit];
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }
@@ -247,23 +260,27 @@ static inline void scatter_piece(uint kind, global const ulong* elements, size_t
 
 #endif
 
+// The body of all four kernels; declares variables.
+#define SCATTER_PIECE(kind, target)  \
+    PIECE_OF_ELEMENTS                \
+    DECLARE_SCATTER_SCRATCH(scratch) \
+    find_positions(counts, scratch); \
+    scatter_piece(kind, elements, begin, end, shift, mask, scratch, target)
+
 KERNEL void scatter(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
                     global const uint* counts, global ulong* elements_out) {
-    SCATTER_LOCALS
     const Target target = {elements_out, 0, 0, 0};
     SCATTER_PIECE(SCATTER_PLAIN, target);
 }
 
 KERNEL void scatter_ids(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
                         global const uint* counts, uint index_mask, global ulong* elements_out, global uint* ids) {
-    SCATTER_LOCALS
     const Target target = {elements_out, ids, 0, index_mask};
     SCATTER_PIECE(SCATTER_IDS, target);
 }
 
 KERNEL void scatter_rekey(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
                           global const uint* counts, global const uint* next_keys, global ulong* elements_out) {
-    SCATTER_LOCALS
     const Target target = {elements_out, 0, next_keys, 0};
     SCATTER_PIECE(SCATTER_REKEY, target);
 }
@@ -271,7 +288,6 @@ KERNEL void scatter_rekey(global const ulong* elements, uint element_count, uint
 KERNEL void scatter_last(global const ulong* elements, uint element_count, uint piece_length, uint shift, uint mask,
                          global const uint* counts, global const uint* code_low, global ulong* codes_out,
                          global uint* values_out) {
-    SCATTER_LOCALS
     const Target target = {codes_out, values_out, code_low, 0};
     SCATTER_PIECE(SCATTER_LAST, target);
 }

@@ -1,4 +1,4 @@
-// What the clusterings' kernels and the host both know.
+// Shared by the host and the clusterings' kernels.
 #ifndef CLBVH_KERNELS_CLUSTER_CONSTANTS_H
 #define CLBVH_KERNELS_CLUSTER_CONSTANTS_H
 #ifdef __cplusplus

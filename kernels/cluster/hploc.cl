@@ -1,9 +1,11 @@
 // H-PLOC: hierarchical parallel locally-ordered clustering (Benthin, Meister et al. 2024).
 #include "work_group.clh"
 #include "aabb.clh"
+#include "bits.clh"
 #include "node.clh"
 #include "morton_split.clh"
 #include "cluster_constants.h"
+#include "no_cluster.clh"
 
 #ifndef CLUSTER_LIMIT
 #define CLUSTER_LIMIT 16
@@ -17,8 +19,9 @@
 #ifndef MERGE_PAIRS
 #define MERGE_PAIRS 1
 #endif
-#ifndef HPLOC_WINDOW
-#define HPLOC_WINDOW 0
+// 0: every cluster of a node is measured against every other.
+#ifndef SEARCH_RADIUS
+#define SEARCH_RADIUS 0
 #endif
 #ifndef EQUAL_CODES
 #define EQUAL_CODES 0

@@ -112,8 +112,6 @@ KERNEL void join_pieces(global const Subtree* pending, global const uint* pendin
 
 #else
 
-#define NOT_REACHED 0xffffffffu
-
 KERNEL void clear_nodes(global const uint* leaf_count_in, global uint* reached, global float* nodes) {
     const uint leaf_count = *leaf_count_in;
     const size_t slot = get_global_id(0);
@@ -146,12 +144,12 @@ KERNEL void climb_boxes(global const ulong* codes, global const uint* primitive_
         const int is_left = border_level(codes, end, leaf_count) < border_level(codes, begin, leaf_count);
         const uint slot = is_left ? end : begin;
         publish_node(nodes + 16 * (size_t)slot + (is_left ? 0 : 8), box, reference, leaf_count);
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        DEVICE_FENCE();
         const uint sibling_border = atomic_xchg(reached + slot, is_left ? begin : end);
         if (sibling_border == NOT_REACHED) {
             return;
         }
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        DEVICE_FENCE();
         box = merge_boxes(box, observe_box(nodes + 16 * (size_t)slot + (is_left ? 8 : 0)));
         reference = leaf_count + slot;
         begin = is_left ? begin : sibling_border;

@@ -31,7 +31,7 @@ KERNEL void search_merge(global const uint* references, global const uint* clust
     const uint leaf_count = *leaf_count_in;
     const uint count = count_above(clusters_before(iteration, leaf_count, cluster_counts), threshold);
     DECLARE_CHUNK(chunk);
-    DECLARE_SEARCH(search);
+    DECLARE_SEARCH_SCRATCH(search);
     DECLARE_MERGE(survivor, merging, chunk);
     local uint scan[WORK_GROUP_SIZE];
     const size_t begin = group_begin(count, get_group_id(0));
@@ -100,7 +100,7 @@ KERNEL void finish(global uint* references, global uint* other, global const uin
     const uint leaf_count = *leaf_count_in;
     const uint count = clusters_before(iteration, leaf_count, cluster_counts);
     DECLARE_CHUNK(chunk);
-    DECLARE_SEARCH(search);
+    DECLARE_SEARCH_SCRATCH(search);
     DECLARE_MERGE(survivor, merging, chunk);
     local uint scan[WORK_GROUP_SIZE];
     cluster_range(chunk, search, survivor, merging, scan, references, other, count, 1, leaves, inner, nodes,

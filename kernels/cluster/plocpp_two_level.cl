@@ -82,7 +82,7 @@ KERNEL void cluster_ranges(global const uint* range_begins, global const uint* r
                            global const uint* leaf_count_in, global uint* survivors, global uint* survivor_counts) {
     const uint leaf_count = *leaf_count_in;
     DECLARE_CHUNK(chunk);
-    DECLARE_SEARCH(search);
+    DECLARE_SEARCH_SCRATCH(search);
     DECLARE_MERGE(survivor, merging, chunk);
     local uint scan[WORK_GROUP_SIZE];
     const uint range = get_group_id(0);
@@ -103,7 +103,7 @@ KERNEL void finish_ranges(global const uint* survivors, global const uint* survi
                           global const uint* leaf_count_in, global uint* root_reference) {
     const uint leaf_count = *leaf_count_in;
     DECLARE_CHUNK(chunk);
-    DECLARE_SEARCH(search);
+    DECLARE_SEARCH_SCRATCH(search);
     DECLARE_MERGE(survivor, merging, chunk);
     local uint scan[WORK_GROUP_SIZE];
     local uint offsets[MAX_RANGES + 1];

@@ -186,9 +186,9 @@ static inline void fit_upwards(global uint* nodes, global const uint* parents, g
             box = merge_boxes(box, box_of_node(sibling));
             continue;
         }
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        DEVICE_FENCE();
         if (atomic_xchg(arrivals + pair, 1u) == 0) return;
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        DEVICE_FENCE();
         atomic_xchg(arrivals + pair, 0u);
         box = merge_boxes(box, observe_box(sibling));
     }

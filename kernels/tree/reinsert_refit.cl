@@ -106,9 +106,9 @@ static inline void set_rank(Refit refit, size_t slot, ushort rank) {
 static inline Change refit_upwards(Refit refit, uint pair, Change change) {
     while (pair != 0) {
         // Whoever comes last finds all below in place.
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        DEVICE_FENCE();
         if (atomic_dec(refit.arrivals + pair) != 1) break;
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        DEVICE_FENCE();
         const uint slot = refit.parents[pair];
         const float8 left = load_shared(refit.nodes, 2 * (size_t)pair);
         const float8 right = load_shared(refit.nodes, 2 * (size_t)pair + 1);

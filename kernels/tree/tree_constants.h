@@ -1,4 +1,4 @@
-// What the kernels that work on finished trees and the host both know.
+// Shared by the host and the kernels that work on finished trees.
 #ifndef CLBVH_KERNELS_TREE_CONSTANTS_H
 #define CLBVH_KERNELS_TREE_CONSTANTS_H
 #ifdef __cplusplus
@@ -23,9 +23,8 @@ enum {
 };
 
 enum {
-    // Ranks are the leading bits of floats above 0: sign, exponent and the first bits of the mantissa tell them apart
-    // by
-    // an eighth.
+    // Ranks are the leading bits of floats above 0: sign, exponent and the first bits of the mantissa, which tell
+    // floats apart that differ by an eighth.
     RANK_SHIFT = 20,
     RANKS = (1 << (31 - RANK_SHIFT)) + 1,
     MOST_PART_DIVISOR = 10,  // a pass tries at most one node of so many

@@ -15,6 +15,7 @@
 // A treelet depends on what is below its root alone, so that the order of subtrees and the shape do not matter.
 #include "work_group.clh"
 #include "aabb.clh"
+#include "bits.clh"
 #include "node.clh"
 #include "tree_nodes.clh"
 #include "treelet_walk.clh"
@@ -42,8 +43,6 @@ static inline float area_to_take_apart(float8 node) {
     return HALF_AREA(x, y, z);
 }
 
-#define LOWEST_LEAF(subset) (31 - clz((subset) & -(subset)))
-
 // The arrays that restructuring keeps right.
 typedef struct {
     global float* nodes;
@@ -54,7 +53,7 @@ typedef struct {
 // Writes the root of the best tree over `subset`, some of the treelet's `leaves`, to `slot`: that leaf, or an inner
 // node with children at `first`.
 static inline void write_node(Tree tree, local const float8* leaves, uint slot, uint subset, uint first) {
-    const float8 lowest = leaves[LOWEST_LEAF(subset)];
+    const float8 lowest = leaves[LOWEST_BIT(subset)];
     if (HAS_ONE_LEAF(subset)) {
         vstore8(lowest, slot, tree.nodes);
         const uint below = as_uint(lowest.s3);
@@ -64,7 +63,7 @@ static inline void write_node(Tree tree, local const float8* leaves, uint slot, 
     float8 lower = lowest, upper = lowest;
     uint size = 0;
     for (uint rest = subset; rest != 0; rest &= rest - 1) {
-        const float8 leaf = leaves[LOWEST_LEAF(rest)];
+        const float8 leaf = leaves[LOWEST_BIT(rest)];
         lower = MIN_OF(lower, leaf);
         upper = MAX_OF(upper, leaf);
         const uint below = as_uint(leaf.s3);

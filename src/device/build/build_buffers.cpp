@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "kernels/core/core_constants.h"
+
 namespace clbvh::device {
 namespace {
 
 constexpr std::uint64_t kNodeBytes = 64;  // a sibling pair a primitive
 constexpr std::uint64_t kInnerBytes = sizeof(float) * kernels::RECORD_FLOATS;
-constexpr std::uint64_t kBoxBytes = 24;
+constexpr std::uint64_t kBoxBytes = sizeof(float) * kernels::BOX_FLOATS;
 constexpr std::uint64_t kIdBytes = 4;
 constexpr std::uint64_t kBehindBoxes = 2 * sizeof(float);  // two more words are read, see kernels/cluster/cluster.clh
 
@@ -49,7 +51,7 @@ void cut_small(BuildBuffers& b, ArrayLayout& layout, const MemoryPlan& plan) {
     b.cluster_counts = layout.take_view(kWordBytes * BuildBuffers::kCountsKept);
 }
 
-// What cutting a part of this plan takes.
+// Bytes of a part of this plan.
 std::uint64_t bytes_of(void (*cut)(BuildBuffers&, ArrayLayout&, const MemoryPlan&), const MemoryPlan& plan) {
     ArrayLayout layout;
     BuildBuffers none;
