@@ -9,9 +9,14 @@
 namespace clbvh {
 
 /// Cost of one stage of a build.
+///
+/// Device builders have the stages "bounds", "morton", "sort", "cluster" and "root", BatchBuilder has "batch" alone.
+/// Host builders begin with "bounds" and end with "layout", and have of "morton", "sort", "order", "build" and
+/// "cluster" those that they need between. A build that splits triangles begins with "presplit". One with optimisers
+/// has a stage named after the id of each; one that the host finishes (optimisers there, merging of leaves, split
+/// triangles) ends with "collapse", and has "download" first where a device built the tree.
 struct StageStats {
-    std::string name;        ///< Device builders: "bounds", "morton", "sort", "cluster", "layout". Around any builder:
-                             ///< "presplit", "download", "collapse".
+    std::string name;        ///< One of those above.
     double device_ms = 0.0;  ///< Sum of the kernels' execution times on the device; 0 where the queue does not profile.
     double host_ms = 0.0;    ///< Wall time that the host spent in the stage's calls, its waits for the device included.
     std::uint32_t launches = 0;     ///< Kernels enqueued.

@@ -18,11 +18,12 @@ struct DeviceSpan {
 struct DeviceTriangles {
     std::uint32_t count = 0;           ///< Triangles, at most kMaxPrimitives.
     DeviceSpan vertices;               ///< Three floats each; offset, a multiple of 4.
-    std::uint32_t vertex_stride = 12;  ///< From one vertex to the next: 12 or more, a multiple of 4.
-    DeviceSpan indices;                ///< Three for each triangle; without a buffer vertices are taken three by three.
+    std::uint32_t vertex_stride = 12;  ///< Bytes from one vertex to the next: 12 or more, a multiple of 4.
+    DeviceSpan indices;                ///< Three for each triangle; offset, a multiple of the size of one. Without a
+                                       ///< buffer vertices are taken three by three.
     IndexType index_type = IndexType::uint32;
-    std::uint32_t index_stride = 0;  ///< From one triangle's first index to the next one's, no less than three indices;
-                                     ///< 0: just that.
+    std::uint32_t index_stride = 0;  ///< Bytes from one triangle's first index to the next one's: those of three
+                                     ///< indices or more, a multiple of those of one; 0: of three.
 };
 
 /// Boxes in device memory, for primitives that are not triangles.

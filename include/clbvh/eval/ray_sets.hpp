@@ -52,8 +52,9 @@ enum class RayKind : std::uint8_t {
 [[nodiscard]] CLBVH_EVAL_API std::vector<Ray> shadow_rays(const MeshView& mesh, const ClosestHits& trace,
                                                           std::span<const Ray> primary, std::span<const Vec3> lights);
 
-/// `count` point lights, uniform in the box. Where the camera is outside the box, it is first made three times as large
-/// around its centre.
+/// `count` point lights, any number, uniform in the box. Where the camera is outside the box, the box is first made
+/// three times as large around its centre. `bounds` must be finite and not empty (lower <= upper). Throws
+/// std::bad_alloc.
 [[nodiscard]] CLBVH_EVAL_API std::vector<Vec3> random_lights(const Aabb& bounds, const Camera& camera,
                                                              std::uint32_t count, std::uint64_t seed);
 
@@ -72,8 +73,8 @@ enum class RayKind : std::uint8_t {
 
 /// Of make_rays().
 struct RaySetOptions {
-    std::uint64_t count = 1 << 20;  ///< About how many rays are wanted.
-    std::uint64_t seed = 1;
+    std::uint64_t count = 1 << 20;  ///< About how many rays are wanted, 1 to 2^30.
+    std::uint64_t seed = 1;         ///< Of the random numbers, any value.
 };
 
 /// A set of the kind with about as many rays as wanted: the primary rays of a 4:3 picture of so many pixels, or of as

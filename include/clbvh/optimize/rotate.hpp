@@ -33,9 +33,9 @@ struct RotateConfig {
 struct AnnealConfig {
     std::uint32_t length = 1250;  ///< N: passes with a temperature, 1 to 10^6.
     float period = 50.0f;         ///< f: passes from one heating to the next, above 0.
-    float hottest = 1.5f;  ///< h, 0 to 100, with C_inner = 10; the paper uses 0.8 to 2.2, depending on the scene.
-    std::uint64_t seed = 1;
-    OptimizeBudget budget;  ///< Where it sets no number of passes: all of them, and at most 1000 to cool off.
+    float hottest = 1.5f;    ///< h, 0 to 100, with C_inner = 10; the paper uses 0.8 to 2.2, depending on the scene.
+    std::uint64_t seed = 1;  ///< Of the random numbers that pick exchanges, any value: another gives another tree.
+    OptimizeBudget budget;   ///< Where it sets no number of passes: all of them, and at most 1000 to cool off.
 };
 
 /// As rotate(); returns the best tree that a pass ended with, so that the SAH cost never rises. The same seed gives the

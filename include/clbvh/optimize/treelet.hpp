@@ -15,7 +15,8 @@ namespace clbvh {
 /// the tree stay as they are: merging them is collapse()'s work, where the paper decides on both at once.
 struct TreeletConfig {
     std::uint32_t leaves = 7;  ///< Leaves of a treelet, 3 to 8.
-    /// In the first pass nodes with at least so many leaves below them are roots of treelets; each pass doubles it.
+    /// Leaves that a node must have below it to be the root of a treelet in the first pass; each pass doubles it. Any
+    /// number: below 3 it is 3, and above the number of leaves nothing is changed.
     std::uint32_t least_size = 7;
     OptimizeBudget budget;  ///< 3 passes unless it says otherwise.
 };
