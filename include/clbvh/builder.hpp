@@ -58,7 +58,7 @@ public:
     /// A copy of the last finished tree. Throws Error(invalid_input) where there is none.
     [[nodiscard]] Bvh download() const;
 
-    /// What it was made with: the id of a builder or of a preset.
+    /// The id that the builder was made with: of a builder or of a preset.
     [[nodiscard]] std::string_view id() const noexcept;
     [[nodiscard]] const BuilderInfo& info() const noexcept;
     /// As they were given, save for what a preset put in the place of defaults, and treelet-split for split_quota.

@@ -16,7 +16,7 @@ enum class BuilderKind : unsigned char { host, device };
 
 /// One row of the table of builders. Which options it reads, reads_option() says.
 struct BuilderInfo {
-    std::string_view id;     ///< What users type, for example "plocpp".
+    std::string_view id;     ///< The name that users type, for example "plocpp".
     std::string_view title;  ///< One line for people.
     std::string_view paper;  ///< Authors and year.
     BuilderKind kind;
@@ -56,7 +56,7 @@ struct PresetInfo {
 /// One row of the table of optimisers: functions from a tree to a better one over the same primitives. Each keeps the
 /// leaves, lowers the SAH cost or keeps it, and ends by itself.
 struct OptimizerInfo {
-    std::string_view id;        ///< What users type, for example "reinsert".
+    std::string_view id;        ///< The name that users type, for example "reinsert".
     std::string_view title;     ///< One line for people.
     std::string_view paper;     ///< Authors and year.
     bool splits_first = false;  ///< Triangles are split before the tree is built, so that it is for builds alone

@@ -19,7 +19,7 @@ class Backend {
 public:
     virtual ~Backend() = default;
 
-    /// What run() builds over.
+    /// The primitives that run() builds over.
     struct Input {
         Primitives primitives;           ///< Passed by check_primitives. They stay as they are until the next upload.
         std::uint64_t active_count = 0;  ///< Those of them that are active.
@@ -39,7 +39,7 @@ public:
     [[nodiscard]] virtual Bvh& tree() = 0;
     /// True where tree() has to fetch it.
     [[nodiscard]] virtual bool is_remote() const noexcept = 0;
-    /// What DeviceConfig::shape was resolved to; automatic where there are no kernels.
+    /// The shape that DeviceConfig::shape was resolved to; automatic where there are no kernels.
     [[nodiscard]] virtual Shape shape() const noexcept = 0;
 };
 

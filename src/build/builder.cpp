@@ -31,7 +31,7 @@ void check_for(const BuilderInfo& info, const BuildOptions& options) {
     check_device_optimizers(options.optimizers);
 }
 
-// What needs no device is checked before one is opened.
+// All checks that need no device come before one is opened.
 std::optional<Context> open_context_for(std::string_view builder_id, const BuildOptions& options) {
     const BuilderInfo& info = find_builder(builder_id);
     check_for(info, with_split_of_optimizers(with_preset(builder_id, options)));

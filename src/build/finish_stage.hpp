@@ -23,7 +23,7 @@ class FinishStage {
 public:
     explicit FinishStage(const BuildOptions& options) : options_(options) {}
 
-    /// What the tree in the backend was built over.
+    /// The primitives that the tree in the backend was built over.
     struct Input {
         std::uint64_t primitive_count;           ///< Of the mesh that the caller gave.
         std::span<const std::uint32_t> sources;  ///< The primitive that each part is a part of.

@@ -7,7 +7,7 @@
 
 namespace clbvh {
 
-/// What a device builder reads of `options`, which are in range. What it does not read has its default.
+/// The part of `options`, which are in range, that a device builder reads; the rest has its defaults.
 [[nodiscard]] device::DeviceConfigs device_configs_for(std::string_view builder_id, const BuildOptions& options);
 
 }  // namespace clbvh

@@ -24,7 +24,7 @@ struct DeviceOptimizerRow;
 /// check_optimizers throws, and Error(invalid_input) where triangles would be split by presplit_level instead.
 [[nodiscard]] BuildOptions with_split_of_optimizers(BuildOptions options);
 
-/// What is behind the optimiser `id` on devices; null where it runs on the host only. Throws what find_optimizer
+/// The device form of the optimiser `id`; null where it runs on the host only. Throws what find_optimizer
 /// throws.
 [[nodiscard]] const device::DeviceOptimizerRow* find_device_row(std::string_view id);
 

@@ -33,7 +33,7 @@ inline constexpr RealRule kPositive{.above_least = true};
 [[nodiscard]] bool allows(const WholeRule& rule, std::uint32_t value) noexcept;
 [[nodiscard]] bool allows(const RealRule& rule, float value) noexcept;
 
-/// What such a rule allows, for people: "1 to 32", "8 or 16", "finite and above 0".
+/// The values that such a rule allows, for people: "1 to 32", "8 or 16", "finite and above 0".
 [[nodiscard]] std::string text_of(const WholeRule& rule);
 [[nodiscard]] std::string text_of(const RealRule& rule);
 

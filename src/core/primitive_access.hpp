@@ -25,7 +25,7 @@ struct PackedTriangles {
     }
     /// The three floats of a vertex.
     [[nodiscard]] const float* vertex(std::uint64_t index) const noexcept { return vertices + 3 * index; }
-    /// What to fetch before triangle `triangle` is read.
+    /// The address to fetch before triangle `triangle` is read.
     [[nodiscard]] const void* indices_of(std::size_t triangle) const noexcept { return indices + 3 * triangle; }
 };
 

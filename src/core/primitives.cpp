@@ -26,7 +26,7 @@ constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
 enum class State { active, inactive, offender };
 
-/// What a scan over a range of primitives found.
+/// Findings of a scan over a range of primitives.
 struct Findings {
     std::uint64_t inactive = 0;
     std::size_t first_offender = kNone;

@@ -48,7 +48,7 @@ std::vector<Hit> hits_of(const ClosestHits& trace, const std::vector<Ray>& rays)
     return hits;
 }
 
-/// What the points of a box have around them.
+/// How free the view is around the points of a box.
 struct Surroundings {
     std::size_t enclosed = 0;  ///< Points from which most rays hit something.
     std::size_t roomy = 0;     ///< Points from which half the rays go far.

@@ -1,5 +1,5 @@
-// What stands in for the device's rooms in a build without OpenCL (CLBVH_WITH_OPENCL=OFF): there is no device, and
-// whoever asks for one is told why.
+// Stands in for the device's rooms in a build without OpenCL (CLBVH_WITH_OPENCL=OFF): there is no device, and whoever
+// asks for one is told why.
 #include <cstdlib>
 
 #include "build/backend.hpp"

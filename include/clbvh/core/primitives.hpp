@@ -105,8 +105,8 @@ struct BoxView {
 };
 static_assert(sizeof(Aabb) == 24);
 
-/// What a tree is built over: a view of triangles or of boxes. A Mesh, or a vector or span of Aabb, becomes one for
-/// free; it must then outlive the view.
+/// The primitives that a tree is built over: a view of triangles or of boxes. A Mesh, or a vector or span of Aabb,
+/// becomes one for free; it must then outlive the view.
 using Primitives = std::variant<MeshView, BoxView>;
 
 /// Triangles or boxes.

@@ -9,7 +9,7 @@
 
 namespace clbvh {
 
-/// What validate() found.
+/// The result of validate().
 struct ValidationReport {
     bool valid = false;
     std::string error;         ///< The first violation in traversal order, structure before boxes; empty where valid.

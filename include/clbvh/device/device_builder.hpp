@@ -37,11 +37,12 @@ public:
     DeviceBuilder& operator=(DeviceBuilder&&) noexcept;
     ~DeviceBuilder();
 
-    /// What a build over `primitive_count` needs. Throws Error(unsupported) where there are more than kMaxPrimitives,
-    /// or where the device cannot allocate one of the three at once: the message says how many primitives it can hold.
+    /// Bytes of memory that a build over `primitive_count` primitives needs. Throws Error(unsupported) where there are
+    /// more than kMaxPrimitives, or where the device cannot allocate one of the three at once: the message says how
+    /// many primitives it can hold.
     [[nodiscard]] DeviceBuildSizes sizes(std::uint64_t primitive_count) const;
 
-    /// What the sum of a buffer's own offset and DeviceSpan::offset must be a multiple of, in bytes, for the nodes, the
+    /// Bytes of which the sum of a buffer's own offset and DeviceSpan::offset must be a multiple, for the nodes, the
     /// primitive ids and the scratch. Host memory under them (CL_MEM_USE_HOST_PTR) must be aligned to 64 bytes.
     [[nodiscard]] std::uint64_t alignment() const noexcept;
 

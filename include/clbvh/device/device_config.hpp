@@ -14,7 +14,7 @@ enum class MortonCode : std::uint8_t {
                ///< size.
 };
 
-/// What every device builder reads: how kernels lay their work out, and the order of the primitives.
+/// Options that every device builder reads: how kernels lay their work out, and the order of the primitives.
 struct DeviceConfig {
     Shape shape = Shape::automatic;            ///< Of all kernels but the sort's.
     Shape sort_shape = Shape::automatic;       ///< Of the sort; automatic: lane on CPU devices that pass the self-test.

@@ -21,7 +21,7 @@ namespace clbvh {
 ///     builder.enqueue(queue, triangles, {scratch}, result);
 ///     optimizer.enqueue(queue, clbvh::DeviceBvh::of(result, triangles.count), {scratch});
 ///
-/// What every optimiser keeps: the leaves, the slots in use, and the SAH cost unless it falls. The same tree gives the
+/// Every optimiser keeps the leaves and the slots in use, and never raises the SAH cost. The same tree gives the
 /// same bytes on every run and in both shapes. DeviceBuilder runs the optimisers of BuildOptions::optimizers itself.
 /// One thread at a time for all that shares the Context.
 class CLBVH_API DeviceOptimizer {
@@ -41,8 +41,8 @@ public:
     /// the device cannot allocate as much, or the nodes, at once.
     [[nodiscard]] std::uint64_t scratch_bytes(std::uint32_t node_count) const;
 
-    /// What the sum of a buffer's own offset and DeviceSpan::offset must be a multiple of, in bytes, for the nodes and
-    /// the scratch. Host memory under them (CL_MEM_USE_HOST_PTR) must be aligned to 64 bytes.
+    /// Bytes of which the sum of a buffer's own offset and DeviceSpan::offset must be a multiple, for the nodes and the
+    /// scratch. Host memory under them (CL_MEM_USE_HOST_PTR) must be aligned to 64 bytes.
     [[nodiscard]] std::uint64_t alignment() const noexcept;
 
     /// Enqueues the optimisers; of `tree` only the nodes and the active count are looked at. They begin when the events

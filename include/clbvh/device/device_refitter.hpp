@@ -21,15 +21,15 @@ struct DeviceRefitterOptions {
 
 /// Bytes that refitting needs beside the tree and its primitives.
 struct DeviceRefitSizes {
-    std::uint64_t order = 0;         ///< What is known of a tree's structure; kept from frame to frame.
+    std::uint64_t order = 0;         ///< For the order of a tree's nodes; kept from frame to frame.
     std::uint64_t scratch = 0;       ///< Free again when the boxes are written.
     std::uint64_t cost_scratch = 0;  ///< For the cost alone.
 };
 
-/// What a refit reads and writes beside the tree.
+/// The arrays that a refit reads and writes beside the tree.
 struct DeviceRefit {
     DeviceInput input;   ///< The primitives that the tree was built over, at new places.
-    DeviceSpan order;    ///< What DeviceRefitter::enqueue_order wrote; offset, a multiple of alignment().
+    DeviceSpan order;    ///< Written by DeviceRefitter::enqueue_order; offset, a multiple of alignment().
     DeviceSpan scratch;  ///< DeviceRefitSizes::scratch bytes; offset, a multiple of alignment().
     /// Two floats, offset a multiple of 4: the tree's SAH cost with the boxes that were there, and with the new ones,
     /// as RefitStats; a node with an empty box costs nothing. Compensated sums, always in the same order.
@@ -58,10 +58,10 @@ public:
     DeviceRefitter& operator=(DeviceRefitter&&) noexcept;
     ~DeviceRefitter();
 
-    /// What a tree of so many nodes (DeviceBvh::node_count) over so many primitives needs.
+    /// Bytes that a tree of so many nodes (DeviceBvh::node_count) over so many primitives needs.
     [[nodiscard]] DeviceRefitSizes sizes(std::uint32_t node_count, std::uint32_t primitive_count) const noexcept;
 
-    /// What nodes, ids, order and scratch must begin at a multiple of, in bytes, as DeviceBuilder::alignment().
+    /// Bytes at a multiple of which nodes, ids, order and scratch must begin, as DeviceBuilder::alignment().
     [[nodiscard]] std::uint64_t alignment() const noexcept;
 
     /// Enqueues that `order` is filled with what refits need to know of the tree's structure. It stays true until the

@@ -14,7 +14,7 @@
 
 namespace clbvh {
 
-/// What rays are traced through.
+/// The tree and the triangles that rays are traced through.
 struct DeviceScene {
     /// Nodes at an offset that is a multiple of 64, primitive ids at a multiple of 4. The active count is not looked
     /// at.
@@ -62,7 +62,7 @@ public:
     DeviceTracer& operator=(DeviceTracer&&) noexcept;
     ~DeviceTracer();
 
-    /// What a tree needs; only the two counts of `bvh` are looked at.
+    /// Bytes that a tree needs; only the two counts of `bvh` are looked at.
     [[nodiscard]] DeviceTraceSizes sizes(const DeviceBvh& bvh) const noexcept;
 
     /// Enqueues that scene.layout is filled with the scene as rays go through it fastest: worth its time where many

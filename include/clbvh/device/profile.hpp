@@ -12,8 +12,8 @@
 
 namespace clbvh {
 
-/// What was found best for one device with one driver, as `clbvh tune` does. It stands in for options that are
-/// automatic, changes how work is laid out and never the tree, and gives way where the device or other options leave no
+/// The sizes that measured fastest on one device with one driver (`clbvh tune`). They stand in for options that are
+/// automatic, change how work is laid out and never the tree, and give way where the device or other options leave no
 /// room for it. A zero or automatic field has nothing to say.
 struct Profile {
     std::string platform;                      ///< DeviceInfo::platform of the device.

@@ -14,7 +14,7 @@ namespace clbvh {
 
 class Tracer;
 
-/// What answers with the first hit of each ray: hits[i] is that of rays[i]. A Tracer does, and whatever else traces.
+/// A function that finds the first hit of each ray: hits[i] is that of rays[i]. Any tracer can stand behind it.
 using ClosestHits = std::function<void(std::span<const Ray> rays, std::span<Hit> hits)>;
 
 /// Asks `tracer`, which has to outlive the result.
@@ -52,7 +52,7 @@ private:
 /// The camera in "ex,ey,ez,tx,ty,tz" or "ex,ey,ez,tx,ty,tz,fov": eye, target and field of view. `up` is as given.
 /// Throws Error(invalid_input) that names the text.
 [[nodiscard]] CLBVH_EVAL_API Camera parse_camera(std::string_view text, const Vec3& up);
-/// What parse_camera reads back without loss, with the field of view.
+/// "ex,ey,ez,tx,ty,tz,fov", from which parse_camera reads the same camera, but for `up`.
 [[nodiscard]] CLBVH_EVAL_API std::string to_string(const Camera& camera);
 
 /// The axis in "x", "y", "z", "-x", "-y" or "-z". Throws Error(invalid_input) that names the text.

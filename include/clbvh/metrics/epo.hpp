@@ -23,8 +23,8 @@ namespace clbvh {
 /// it meets. In parallel, with the same result on any number of threads; time grows with the number of boxes that
 /// triangles meet: about n log n over most scenes, up to n^2 where each meets a share of all (long thin triangles
 /// across the axes). An empty tree, or a scene without area, has none. Throws Error(invalid_input) for a negative or
-/// non-finite cost, for a mesh that check_mesh refuses and for a tree that is none over the mesh, Error(cancelled)
-/// where `progress` says so; it is called on the calling thread, with the stage "epo".
+/// non-finite cost, for a mesh that check_mesh refuses and for a tree that was not built over this mesh,
+/// Error(cancelled) where `progress` says so; it is called on the calling thread, with the stage "epo".
 [[nodiscard]] CLBVH_API double end_point_overlap(const Bvh& bvh, const MeshView& mesh, const SahCosts& costs = {},
                                                  const ProgressCallback& progress = {});
 
@@ -34,7 +34,7 @@ struct Estimate {
     double standard_error = 0.0;  ///< Two thirds of all estimates are closer than this.
 };
 
-/// How many samples an estimate can be made of: two have an error to tell, and more than the most would take days.
+/// Samples of an estimate: at least 2, without which there is no standard error; at most 2^32, which take days.
 inline constexpr std::uint64_t kFewestEpoSamples = 2;
 inline constexpr std::uint64_t kMostEpoSamples = std::uint64_t{1} << 32;
 

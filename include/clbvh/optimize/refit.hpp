@@ -9,7 +9,7 @@
 
 namespace clbvh {
 
-/// What refitting did to a tree's cost.
+/// The SAH cost of a tree before and after a refit.
 struct RefitStats {
     double sah_before = 0.0;  ///< As sah_cost(), up to rounding: with the boxes that were there.
     double sah_after = 0.0;   ///< With the new ones.

@@ -28,7 +28,8 @@ struct TracerOptions {
 /// hit. Where coordinates relative to the ray's origin exceed about 1e12, products overflow and triangles are missed.
 class CLBVH_API Tracer {
 public:
-    /// Throws Error(invalid_input) where the tree is none over the mesh: nodes, ids or indices out of range, or loops.
+    /// Throws Error(invalid_input) where the tree was not built over this mesh: nodes, ids or indices out of range, or
+    /// loops.
     Tracer(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options = {});
     Tracer(const Tracer&) = delete;
     Tracer(Tracer&&) noexcept;
@@ -44,8 +45,8 @@ public:
     /// Calls `visit` with every hit, ordered by t and then by primitive, until it returns false.
     void all(const Ray& ray, const std::function<bool(const Hit&)>& visit) const;
 
-    /// What the ray would visit if nothing ended it: every inner node and leaf whose box it meets up to t_max, and
-    /// their triangles. Over random lines through the root's box these add up to the SAH cost.
+    /// The nodes and triangles that the ray would visit if no hit ended it: every inner node and leaf whose box it
+    /// meets up to t_max, and their triangles. Over random lines through the root's box these add up to the SAH cost.
     [[nodiscard]] RayCounts visits(const Ray& ray) const;
 
     /// Many rays at a time, in parallel; hits[i] is that of rays[i]. Throws Error(invalid_input) where the spans differ

@@ -16,7 +16,7 @@
 namespace clbvh::simd {
 namespace {
 
-/// What the files that are compiled for AVX2 may use (see src/CMakeLists.txt).
+/// True where the processor has all that files compiled for AVX2 may use (see src/CMakeLists.txt).
 bool has_avx2() noexcept {
 #if defined(CLBVH_HAS_AVX2)
     // clang 14 does not know lzcnt by its name.

@@ -15,7 +15,7 @@
 
 namespace clbvh {
 
-// What every processor has that the library is compiled for.
+// The vectors that every processor has for which the library is compiled.
 namespace simd {
 #if defined(CLBVH_HAS_SSE2)
 namespace baseline = sse2;

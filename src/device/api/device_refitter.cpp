@@ -55,7 +55,7 @@ struct CLBVH_NO_EXPORT DeviceRefitter::State {
                  const std::function<void(device::Launcher&)>& launch) const {
         device::enqueue_for_caller(what, context.session(), on, launch);
     }
-    /// What a refit's scratch holds: the boxes of the primitives, then what the refit itself takes.
+    /// A refit's scratch: the boxes of the primitives, then the sums of the costs.
     struct Scratch {
         device::BuildBuffers bounds;
         device::RefitScratch refit;

@@ -5,10 +5,10 @@
 
 namespace clbvh::device {
 
-/// What a clustering finds, and what it leaves: buffers.leaf_count says how many leaves there are,
-/// buffers.primitive_ids and buffers.codes name them in Morton order, and their boxes are in buffers.leaves (in that
-/// order) or buffers.boxes (by primitive), as DeviceAlgorithm::box_order asks. Afterwards buffers.nodes holds every
-/// sibling pair, and buffers.root_reference the root.
+/// Input and output of a clustering: buffers.leaf_count says how many leaves there are, buffers.primitive_ids and
+/// buffers.codes name them in Morton order, and their boxes are in buffers.leaves (in that order) or buffers.boxes (by
+/// primitive), as DeviceAlgorithm::box_order asks. Afterwards buffers.nodes holds every sibling pair, and
+/// buffers.root_reference the root.
 struct ClusterJob {
     Launcher& launcher;
     const BuildSettings& settings;
@@ -19,7 +19,7 @@ struct ClusterJob {
     bool asynchronous = false;
 };
 
-/// What makes one device builder different from the next.
+/// The part in which one device builder differs from the next.
 struct DeviceAlgorithm {
     void (*cluster)(const ClusterJob& job);
     /// Device memory beside what every build uses.

@@ -23,7 +23,7 @@ Pieces pieces_of(const BuildSettings& settings, std::uint32_t leaf_count) {
     return cut_into_pieces(leaf_count, most_pieces(settings), kLeastPieceLength);
 }
 
-/// What the lane shape's work items leave for the last one: stacks of clusters, and where their lists begin. Grows with
+/// Stacks of clusters that the lane shape's work items leave for the last one, and where their lists begin. Grow with
 /// the leaves.
 struct LaneViews {
     LaneViews(const BuildSettings& settings, std::uint32_t leaf_count, ArrayLayout layout) {

@@ -17,7 +17,8 @@ std::uint32_t most_pieces(const BuildSettings& settings) {
     return std::min(2 * settings.groups_to_fill, kMostPieces);
 }
 
-// What the lane shape's pieces leave to be joined, or what the group shape's work items exchange.
+// Bytes for the subtrees that the lane shape's pieces leave to be joined, or for what the group shape's work items
+// tell each other.
 std::uint64_t extra_bytes(const BuildSettings& settings, std::uint32_t primitives) {
     return settings.lane() ? std::uint64_t{kPendingBytes} * kMostPending * most_pieces(settings)
                            : sizeof(std::uint32_t) * std::uint64_t{primitives};

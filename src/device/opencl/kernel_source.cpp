@@ -19,7 +19,7 @@ const KernelFile& file_of(std::string_view name) {
     return *file;
 }
 
-/// What follows is `line` of the file, so that compilers name it.
+/// Tells compilers that `line` of the file follows, so that they name it.
 void append_place(const KernelFile& file, std::size_t line, std::string& out) {
     out += "#line " + std::to_string(line) + " \"" + file.path + "\"\n";
 }

@@ -13,7 +13,7 @@ struct Block {
     std::uint64_t offset = 0;
 
     [[nodiscard]] bool is_there() const noexcept { return buffer() != nullptr; }
-    /// What begins `bytes` further on.
+    /// The block that begins `bytes` further on.
     [[nodiscard]] Block behind(std::uint64_t bytes) const { return {buffer, offset + bytes}; }
 };
 

@@ -16,7 +16,7 @@ struct TreeNodes {
 /// The kernels of this stage.
 [[nodiscard]] ProgramSpec parents_program(std::size_t work_group_size);
 
-/// What one group of such a pass takes.
+/// Slots that one group of such a pass takes.
 inline constexpr std::uint32_t kSlotsPerGroup = kernels::SLOTS_PER_GROUP;
 
 /// Groups for a pass over all slots of a tree, in kernels that include tree_nodes.clh.

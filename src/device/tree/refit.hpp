@@ -23,7 +23,7 @@ struct RefitSettings : DeviceFit {
 /// Bytes of what has to be known of a tree's structure.
 [[nodiscard]] std::uint64_t refit_order_bytes(const RefitSettings& settings, std::uint32_t node_count);
 
-/// What a refit needs besides.
+/// Scratch of a refit: the sums of the costs before and after.
 struct RefitScratch {
     CostSums before, after;
 };

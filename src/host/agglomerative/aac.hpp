@@ -11,7 +11,7 @@ void build_aac(HostBuild& build, const AacConfig& config);
 
 namespace aac {
 
-/// What the paper fixes and tests vary.
+/// Choices that the paper fixes and tests vary.
 struct Variant {
     Reduction reduction;
     simd::InstructionSet instruction_set = simd::instruction_set();

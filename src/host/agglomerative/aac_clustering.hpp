@@ -14,8 +14,8 @@ struct Clusterer {
     /// says where that is fewer; returns how many.
     std::uint32_t (*build_tree)(const Problem<Code>& problem, Stack& stack, std::uint32_t begin, std::uint32_t end,
                                 std::uint32_t most) noexcept;
-    /// What BuildTree does with the clusters of its two children, 0 .. middle and middle .. top, with their closest
-    /// ones. Leaves at most `target` clusters; returns how many.
+    /// BuildTree's last step: unites the clusters of its two children, 0 .. middle and middle .. top, whose closest
+    /// ones are known. Leaves at most `target` clusters; returns how many.
     std::uint32_t (*unite)(const Problem<Code>& problem, Stack& stack, std::uint32_t middle, std::uint32_t top,
                            std::uint32_t target) noexcept;
 };

@@ -44,7 +44,7 @@ struct Nearest {
     std::uint32_t identity;
 };
 
-/// What a round did.
+/// Counts of one round.
 struct Round {
     std::uint32_t slots = 0;
     std::uint32_t searches = 0;

@@ -27,7 +27,7 @@ struct HostBuild {
 /// A host builder with its options bound.
 using BoundAlgorithm = std::function<void(HostBuild&)>;
 
-/// What a build takes its primitives from.
+/// The primitives of a build.
 struct HostInput {
     Primitives primitives;           ///< Passed by check_primitives; their boxes are built over.
     std::uint64_t active_count = 0;  ///< Those of them that are active.

@@ -143,7 +143,7 @@ struct MeshSink {
     }
 };
 
-/// What the roundings of at most kMaxSplitDepth midpoints can amount to, relative to the largest coordinate.
+/// Bound on the rounding error of at most kMaxSplitDepth midpoints, relative to the largest coordinate.
 constexpr double kMidpointError = kMaxSplitDepth * 0x1p-52;
 
 /// One axis of a part's box: rounded outwards, within the triangle's.

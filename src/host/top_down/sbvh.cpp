@@ -162,7 +162,7 @@ private:
                                                 const Binning& binning) const {
         const float area = job.bounds.box.half_area();
         const float unit = cost_unit(area);
-        // What both halves share is no larger than the whole.
+        // The overlap of both halves is no larger than the whole.
         const bool needs_overlap = may_cut(job) && area > least_overlap_;
         if (job.range.count <= kFewReferences) {
             const std::span<const Reference> few = job.range.chunk(references, 0);

@@ -13,7 +13,7 @@
 
 namespace clbvh::host {
 
-/// What lies on one side of a split.
+/// The references on one side of a split.
 struct Half {
     Bounds bounds;
     double area = 0.0;  ///< Sum of the references' half areas.
@@ -127,7 +127,7 @@ struct Division {
     [[nodiscard]] std::array<SpacedRange, 2> ranges(const SpacedRange& whole) const noexcept;
 };
 
-/// What a rule sends to either side.
+/// Counts the references that a rule sends to either side.
 struct MoveCounter {
     std::array<std::uint32_t, 2> counts{};
 
@@ -148,7 +148,7 @@ struct MoveWriter {
     }
 };
 
-/// What the rule sends to either side from the chunks before each one, and from all of them.
+/// How many references the rule sends to either side from the chunks before each one, and from all of them.
 template <typename Rule>
 std::vector<MoveCounter> count_before_chunks(const SpacedRange& range, const Reference* from, const Rule& rule) {
     std::vector<MoveCounter> before(range.chunk_count() + 1);

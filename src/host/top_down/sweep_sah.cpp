@@ -48,7 +48,7 @@ using Orders = std::array<std::uint32_t*, 3>;
 struct Arrays {
     Orders orders;
     Orders other_orders;    ///< Where partitioned orders go.
-    Reference* references;  ///< What orders refer to.
+    Reference* references;  ///< The references that orders refer to.
     std::uint8_t* sides;    ///< For each reference: 1 where it goes right.
     bool local;             ///< True where the references stand in the range's own positions.
 };
