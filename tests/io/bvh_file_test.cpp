@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "clbvh/core/primitives.hpp"
 #include "io/temp_folder.hpp"
 #include "support/expect_error.hpp"
 
@@ -162,6 +163,7 @@ TEST_CASE("headers that lie are refused before memory is set aside") {
     // 2^59 nodes of 32 bytes are 0 bytes modulo 2^64.
     expect_refused(with_field(with_field(bytes, 8, 1ULL << 59), 16, std::uint64_t{85}), "bytes follow");
     expect_refused(with_field(bytes, 24, ~std::uint64_t{0}), "more than the limit");
+    expect_refused(with_field(bytes, 24, kMaxPrimitives + 1), "more than the limit");
     expect_refused(with_field(bytes, 0, 'X'), "not a BVH file");
     expect_refused(with_field(bytes, 7, '\2'), "version 2");
     expect_refused(with_field(bytes, 32, std::uint32_t{4}), "unknown flags 4");
@@ -170,6 +172,13 @@ TEST_CASE("headers that lie are refused before memory is set aside") {
     expect_refused(with_field(bytes, 40, std::uint64_t{1}), "reserved");
     expect_refused(with_field(bytes, 56, std::uint64_t{1}), "reserved");
     expect_refused(with_field(bytes, 48, std::uint64_t{1}), "the hash does not match");
+}
+
+TEST_CASE("a tree of as many primitives as there may be is read") {
+    Bvh bvh = small_bvh();
+    bvh.primitive_count = kMaxPrimitives;
+    const TempFolder folder;
+    CHECK(read_bvh(folder.write("tree.bvh", bytes_of(bvh))).primitive_count == kMaxPrimitives);
 }
 
 TEST_CASE("trees that would lead a traversal astray are refused") {
