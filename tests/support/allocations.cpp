@@ -50,6 +50,14 @@ void* operator new(std::size_t size) {
     if (size >= clbvh::test::least_counted) ++clbvh::test::counted;
     return memory;
 }
+// A sanitizer's own would not fit the delete below.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    try {
+        return operator new(size);
+    } catch (const std::bad_alloc&) {
+        return nullptr;
+    }
+}
 void operator delete(void* memory) noexcept {
     std::free(memory);
 }
