@@ -16,7 +16,7 @@ if ! dpkg --print-foreign-architectures | grep -qx arm64; then
 fi
 # _apt, which downloads, need not be allowed to write here.
 apt-get -qq -o APT::Sandbox::User=root download \
-    libtbb12:arm64 libtbb-dev:arm64 libtbbmalloc2:arm64 libtinyobjloader-dev:arm64 libxxhash-dev:arm64 nlohmann-json3-dev catch2
+    libtbb12:arm64 libtbb-dev:arm64 libtbbbind-2-5:arm64 libtbbmalloc2:arm64 libtinyobjloader-dev:arm64 libxxhash-dev:arm64 nlohmann-json3-dev catch2
 for package in ./*.deb; do
     dpkg -x "$package" .
     rm "$package"
