@@ -115,34 +115,4 @@ private:
     std::uint32_t tested_ = 0;
 };
 
-/// Collects all hits.
-template <typename Test>
-class AllLeaf {
-public:
-    AllLeaf(const LeafTriangle* triangles, const Ray& ray) : triangles_(triangles), test_(ray), rule_(ray) {}
-
-    bool operator()(std::uint32_t first, std::uint32_t count, float&) {
-        for (const LeafTriangle& triangle : std::span(triangles_ + first, count)) {
-            const auto found = rule_.accept(triangle.vertices, test_.meet(triangle.vertices));
-            if (!found) continue;
-            hits_.push_back({found->t, found->u, found->v, triangle.primitive});
-        }
-        return true;
-    }
-
-    /// Ordered by t, then by primitive; each primitive once.
-    [[nodiscard]] std::vector<Hit> take_hits() {
-        std::ranges::sort(hits_, [](const Hit& a, const Hit& b) { return is_closer(a.t, a.primitive, b); });
-        const auto is_same = [](const Hit& a, const Hit& b) { return a.primitive == b.primitive; };
-        hits_.erase(std::unique(hits_.begin(), hits_.end(), is_same), hits_.end());
-        return std::move(hits_);
-    }
-
-private:
-    const LeafTriangle* triangles_;
-    Test test_;
-    HitRule rule_;
-    std::vector<Hit> hits_;
-};
-
 }  // namespace clbvh::trace

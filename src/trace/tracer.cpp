@@ -1,195 +1,152 @@
 #include "clbvh/trace/tracer.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include <string>
+#include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "clbvh/core/error.hpp"
-#include "clbvh/trace/traverse.hpp"
-#include "core/arena_size.hpp"
-#include "core/check_field.hpp"
+#include "clbvh/layout/wide.hpp"
 #include "core/check_length.hpp"
 #include "core/memory_errors.hpp"
-#include "trace/check_tree.hpp"
 #include "trace/leaf_triangles.hpp"
+#include "trace/ray_tasks.hpp"
 #include "trace/wide_tracing.hpp"
-#include "trace/wide_tree.hpp"
 
 namespace clbvh {
 namespace {
 
 using namespace trace;
 
-/// Rays of one task of the calls for many.
-constexpr std::size_t kRaysPerTask = 256;
-
-int arena_size_for(const TracerOptions& options) {
-    check_range("thread_count", options.thread_count, 0, 1024);
-    return arena_size(options.thread_count);
+/// Orders the hits of a ray by t, then by primitive, and leaves one of each primitive.
+void put_in_order(std::vector<Hit>& hits) {
+    std::ranges::sort(hits, [](const Hit& a, const Hit& b) { return is_closer(a.t, a.primitive, b); });
+    const auto is_same = [](const Hit& a, const Hit& b) { return a.primitive == b.primitive; };
+    hits.erase(std::unique(hits.begin(), hits.end(), is_same), hits.end());
 }
 
 }  // namespace
 
 struct CLBVH_NO_EXPORT Tracer::State {
-    State(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options)
-        : triangle_test(options.triangle_test),
-          arena(arena_size_for(options)),
-          depth(check_tree(bvh, mesh)),
-          nodes(bvh.nodes),
-          triangles(arena.execute([&] { return copy_triangles(bvh, mesh); })),
-          wide_tree(make_wide_tree(nodes, triangles)),
-          wide(wide_tracing(simd::instruction_set(), options.triangle_test)) {
+    State(Wide8&& layout, const TracerOptions& options) : State(options) {
+        owned = std::move(layout);
+        traced = &owned;
+    }
+    State(const Wide8* layout, const TracerOptions& options) : State(options) { traced = layout; }
+    explicit State(const TracerOptions& options)
+        : arena(arena_size_for(options)), wide(wide_tracing(simd::instruction_set(), options.triangle_test)) {
         simd::check_instruction_set();
     }
 
-    /// Calls `leaf` for the leaves that the ray visits.
-    template <typename Counts, typename Leaf>
-    void walk(const Ray& ray, Leaf& leaf, Counts counts) const {
-        if (nodes.empty()) return;
-        if (depth <= FixedNodeStack::kCapacity) {
-            FixedNodeStack stack;
-            detail::traverse(nodes.data(), ray, leaf, counts, stack);
-        } else {
-            with_memory_errors("the stack of a ray", [&] {
-                GrowingNodeStack stack;
-                detail::traverse(nodes.data(), ray, leaf, counts, stack);
-            });
-        }
+    [[nodiscard]] Hit closest(const Ray& ray) const { return wide.closest(*traced, ray); }
+    [[nodiscard]] bool any(const Ray& ray) const { return wide.any(*traced, ray); }
+    void all(const Ray& ray, std::vector<Hit>& hits) const {
+        hits.clear();
+        wide.all(*traced, ray, hits);
+        put_in_order(hits);
     }
 
-    /// Calls `action` with the test that the options name as template argument.
-    template <typename Action>
-    decltype(auto) with_test(const Action& action) const {
-        if (triangle_test == TriangleTest::watertight) return action.template operator()<WatertightTest>();
-        return action.template operator()<MollerTrumboreTest>();
-    }
-
-    template <typename Counts>
-    [[nodiscard]] std::pair<Hit, std::uint32_t> closest(const Ray& ray, Counts counts) const {
-        return with_test([&]<typename Test>() {
-            ClosestLeaf<Test> leaf(triangles.data(), ray);
-            walk(ray, leaf, counts);
-            return std::pair(leaf.hit(), leaf.tested());
-        });
-    }
-
-    template <typename Counts>
-    [[nodiscard]] std::pair<bool, std::uint32_t> any(const Ray& ray, Counts counts) const {
-        return with_test([&]<typename Test>() {
-            AnyLeaf<Test> leaf(triangles.data(), ray);
-            walk(ray, leaf, counts);
-            return std::pair(leaf.is_hit(), leaf.tested());
-        });
-    }
-
-    /// Calls `action` with every index below `count`, in parallel.
-    template <typename Action>
-    void for_each(std::size_t count, const Action& action) const {
-        arena.execute([&] {
-            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kRaysPerTask), [&](const auto& range) {
-                for (std::size_t i = range.begin(); i < range.end(); ++i)
-                    action(i);
-            });
-        });
-    }
-
-    TriangleTest triangle_test;
     mutable tbb::task_arena arena;
-    std::uint32_t depth;
-    std::vector<Node> nodes;
-    std::vector<LeafTriangle> triangles;  ///< In the order of Bvh::primitive_ids.
-    WideTree wide_tree;                   ///< What is traced where nothing is counted.
     WideTracing wide;
+    Wide8 owned;  // where the layout is the tracer's
+    const Wide8* traced = nullptr;
 };
 
+namespace {
+
+Wide8 layout_of(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options) {
+    return make_layout<Wide8>(bvh, mesh, {.thread_count = options.thread_count});
+}
+
+}  // namespace
+
 Tracer::Tracer(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options)
-    : state_(with_memory_errors("the tracer", [&] { return std::make_unique<const State>(bvh, mesh, options); })) {}
+    : Tracer(layout_of(bvh, mesh, options), options) {}
+Tracer::Tracer(Wide8&& layout, const TracerOptions& options)
+    : state_(with_memory_errors("the tracer",
+                                [&] { return std::make_unique<const State>(std::move(layout), options); })) {}
+Tracer::Tracer(const Wide8& layout, const TracerOptions& options)
+    : state_(with_memory_errors("the tracer", [&] { return std::make_unique<const State>(&layout, options); })) {}
 Tracer::Tracer(Tracer&&) noexcept = default;
 Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 Tracer::~Tracer() = default;
 
 Hit Tracer::closest(const Ray& ray) const {
-    return state_->wide.closest(state_->wide_tree, ray);
+    return state_->closest(ray);
 }
 
 bool Tracer::any(const Ray& ray) const {
-    return state_->wide.any(state_->wide_tree, ray);
+    return state_->any(ray);
 }
 
-Hit Tracer::closest(const Ray& ray, RayCounts& counts) const {
-    const auto [hit, tested] = state_->closest(ray, detail::CountingRayCounts{counts});
-    counts.triangles += tested;
-    return hit;
+Hit Tracer::closest(const Ray& ray, const HitFilter& filter) const {
+    return state_->wide.closest_filtered(*state_->traced, ray, filter);
 }
 
-bool Tracer::any(const Ray& ray, RayCounts& counts) const {
-    const auto [is_hit, tested] = state_->any(ray, detail::CountingRayCounts{counts});
-    counts.triangles += tested;
-    return is_hit;
+bool Tracer::any(const Ray& ray, const HitFilter& filter) const {
+    return state_->wide.any_filtered(*state_->traced, ray, filter);
 }
 
 void Tracer::all(const Ray& ray, const std::function<bool(const Hit&)>& visit) const {
-    const std::vector<Hit> hits = with_memory_errors("the hits of a ray", [&] {
-        return state_->with_test([&]<typename Test>() {
-            AllLeaf<Test> leaf(state_->triangles.data(), ray);
-            state_->walk(ray, leaf, detail::NoRayCounts{});
-            return leaf.take_hits();
-        });
-    });
+    std::vector<Hit> hits;
+    with_memory_errors("the hits of a ray", [&] { state_->all(ray, hits); });
     for (const Hit& hit : hits) {
         if (!visit(hit)) return;
     }
 }
 
-RayCounts Tracer::visits(const Ray& ray) const {
-    RayCounts counts;
-    auto leaf = [&](std::uint32_t, std::uint32_t count, float&) {
-        counts.triangles += count;
-        return true;
-    };
-    state_->walk(ray, leaf, detail::CountingRayCounts{counts});
-    return counts;
-}
-
 void Tracer::closest(std::span<const Ray> rays, std::span<Hit> hits) const {
     check_length("hits", hits.size(), rays.size());
-    state_->for_each(rays.size(), [&](std::size_t i) { hits[i] = closest(rays[i]); });
+    for_each_ray(state_->arena, rays.size(), [&](std::size_t i) { hits[i] = state_->closest(rays[i]); });
 }
 
 void Tracer::any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) const {
     check_length("is_hit", is_hit.size(), rays.size());
-    state_->for_each(rays.size(), [&](std::size_t i) { is_hit[i] = any(rays[i]) ? 1 : 0; });
+    for_each_ray(state_->arena, rays.size(), [&](std::size_t i) { is_hit[i] = state_->any(rays[i]) ? 1 : 0; });
 }
 
-void Tracer::closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) const {
+void Tracer::closest(std::span<const Ray> rays, std::span<Hit> hits, const HitFilter& filter) const {
     check_length("hits", hits.size(), rays.size());
-    check_length("counts", counts.size(), rays.size());
-    state_->for_each(rays.size(), [&](std::size_t i) {
-        counts[i] = {};
-        hits[i] = closest(rays[i], counts[i]);
-    });
+    for_each_ray(state_->arena, rays.size(), [&](std::size_t i) { hits[i] = closest(rays[i], filter); });
 }
 
-void Tracer::any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) const {
+void Tracer::any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, const HitFilter& filter) const {
     check_length("is_hit", is_hit.size(), rays.size());
-    check_length("counts", counts.size(), rays.size());
-    state_->for_each(rays.size(), [&](std::size_t i) {
-        counts[i] = {};
-        is_hit[i] = any(rays[i], counts[i]) ? 1 : 0;
+    for_each_ray(state_->arena, rays.size(), [&](std::size_t i) { is_hit[i] = any(rays[i], filter) ? 1 : 0; });
+}
+
+HitLists Tracer::all(std::span<const Ray> rays) const {
+    return with_memory_errors("the hits of the rays", [&] {
+        // Each task keeps its hits in a list of its own; then all go one behind the other.
+        constexpr std::size_t kRaysPerList = 256;
+        const std::size_t list_count = (rays.size() + kRaysPerList - 1) / kRaysPerList;
+        std::vector<std::vector<Hit>> lists(list_count);
+        HitLists result;
+        result.begins.assign(rays.size() + 1, 0);
+        const auto for_each_list = [&](const auto& action) {
+            state_->arena.execute([&] { tbb::parallel_for(std::size_t{0}, list_count, action); });
+        };
+        for_each_list([&](std::size_t list) {
+            std::vector<Hit> hits;
+            const std::size_t end = std::min(rays.size(), (list + 1) * kRaysPerList);
+            for (std::size_t i = list * kRaysPerList; i < end; ++i) {
+                state_->all(rays[i], hits);
+                result.begins[i + 1] = hits.size();
+                lists[list].insert(lists[list].end(), hits.begin(), hits.end());
+            }
+        });
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            result.begins[i + 1] += result.begins[i];
+        result.hits.resize(result.begins.back());
+        for_each_list([&](std::size_t list) {
+            std::ranges::copy(lists[list], result.hits.data() + result.begins[list * kRaysPerList]);
+        });
+        return result;
     });
 }
 
-void Tracer::visits(std::span<const Ray> rays, std::span<RayCounts> counts) const {
-    check_length("counts", counts.size(), rays.size());
-    state_->for_each(rays.size(), [&](std::size_t i) { counts[i] = visits(rays[i]); });
-}
-
-std::uint32_t Tracer::depth() const noexcept {
-    return state_->depth;
+const Wide8& Tracer::layout() const noexcept {
+    return *state_->traced;
 }
 
 }  // namespace clbvh

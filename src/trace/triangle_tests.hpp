@@ -57,22 +57,27 @@ private:
         float x, y, z;
     };
 
-    static std::array<float, 3> coordinates(const Vec3& v) noexcept { return {v.x, v.y, v.z}; }
+    /// Where they lie: a copy that is indexed has to go through memory first.
+    static const float* coordinates(const Vec3& v) noexcept {
+        static_assert(sizeof(Vec3) == 3 * sizeof(float));
+        return reinterpret_cast<const float*>(&v);
+    }
 
     static Shear shear_of(const Ray& ray) noexcept {
-        const std::array<float, 3> d = coordinates(ray.direction);
-        unsigned z = 0;
-        if (std::fabs(d[1]) > std::fabs(d[z])) z = 1;
-        if (std::fabs(d[2]) > std::fabs(d[z])) z = 2;
-        unsigned x = (z + 1) % 3;
-        unsigned y = (x + 1) % 3;
+        const float x_size = std::fabs(ray.direction.x), y_size = std::fabs(ray.direction.y);
+        const float z_size = std::fabs(ray.direction.z);
+        const bool is_y = y_size > x_size;
+        const unsigned z = z_size > (is_y ? y_size : x_size) ? 2 : is_y ? 1 : 0;
+        unsigned x = z == 2 ? 0 : z + 1;
+        unsigned y = x == 2 ? 0 : x + 1;
+        const float* const d = coordinates(ray.direction);
         if (d[z] < 0.0f) std::swap(x, y);
-        return {coordinates(ray.origin), x, y, z, d[x] / d[z], d[y] / d[z], 1.0f / d[z]};
+        return {{ray.origin.x, ray.origin.y, ray.origin.z}, x, y, z, d[x] / d[z], d[y] / d[z], 1.0f / d[z]};
     }
 
     [[nodiscard]] Sheared sheared(const Vec3& vertex) const noexcept {
         const Shear& s = shear_;
-        const std::array<float, 3> p = coordinates(vertex);
+        const float* const p = coordinates(vertex);
         const float z = p[s.z] - s.origin[s.z];
         return {(p[s.x] - s.origin[s.x]) - s.factor_x * z, (p[s.y] - s.origin[s.y]) - s.factor_y * z, s.factor_z * z};
     }

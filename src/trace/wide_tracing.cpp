@@ -5,15 +5,17 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "clbvh/trace/box_tests.hpp"
-#include "clbvh/trace/traverse.hpp"
 #include "core/memory_errors.hpp"
 #include "core/simd/float4.hpp"
 #include "core/simd/scalar.hpp"
+#include "trace/leaf_triangles.hpp"
 #include "trace/triangle_tests.hpp"
 
 namespace clbvh::trace {
@@ -25,9 +27,13 @@ namespace {
 
 }  // namespace
 
-std::unique_ptr<DeferredChild[]> allocate_stack(std::size_t size) {
+std::unique_ptr<std::uint64_t[]> allocate_stack(std::size_t size) {
     return with_memory_errors("the stack of a ray",
-                              [&] { return std::make_unique_for_overwrite<DeferredChild[]>(size); });
+                              [&] { return std::make_unique_for_overwrite<std::uint64_t[]>(size); });
+}
+
+void add_hit(std::vector<Hit>& hits, const Hit& hit) {
+    hits.push_back(hit);
 }
 
 WideTracing wide_tracing(simd::InstructionSet set, TriangleTest test) noexcept {

@@ -3,29 +3,31 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "clbvh/core/ray.hpp"
+#include "clbvh/layout/wide.hpp"
+#include "clbvh/trace/hit_filter.hpp"
 #include "core/simd/dispatch.hpp"
-#include "trace/wide_tree.hpp"
 
-// Tracing through a wide tree with vectors. Hits are the same bits with every instruction set, and the same as those
-// that traverse() finds in the binary tree.
+// Tracing through a tree of eight children with vectors. Hits are the same bits with every instruction set, and the
+// same as those that traverse() finds in the binary tree.
 namespace clbvh::trace {
 
 /// The functions that one instruction set is compiled into.
 struct WideTracing {
-    Hit (*closest)(const WideTree& tree, const Ray& ray);
-    bool (*any)(const WideTree& tree, const Ray& ray);
+    Hit (*closest)(const Wide8& tree, const Ray& ray);
+    bool (*any)(const Wide8& tree, const Ray& ray);
+    Hit (*closest_filtered)(const Wide8& tree, const Ray& ray, const HitFilter& filter);
+    bool (*any_filtered)(const Wide8& tree, const Ray& ray, const HitFilter& filter);
+    /// Every hit, in no order; one primitive may come more than once.
+    void (*all)(const Wide8& tree, const Ray& ray, std::vector<Hit>& hits);
 };
 
-/// A child whose siblings go first, and where the ray enters it.
-struct DeferredChild {
-    float t;
-    std::uint32_t child;
-};
-
-/// Throws Error(out_of_memory). For files that are compiled for one instruction set: what throws stays out of them.
-[[nodiscard]] std::unique_ptr<DeferredChild[]> allocate_stack(std::size_t size);
+// For files that are compiled for one instruction set: what may throw stays out of them.
+/// Throws Error(out_of_memory).
+[[nodiscard]] std::unique_ptr<std::uint64_t[]> allocate_stack(std::size_t size);
+void add_hit(std::vector<Hit>& hits, const Hit& hit);
 
 /// The instruction set is available.
 [[nodiscard]] WideTracing wide_tracing(simd::InstructionSet set, TriangleTest test) noexcept;

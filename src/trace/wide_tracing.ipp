@@ -2,11 +2,17 @@
 // compiled for different instruction sets include both within an anonymous namespace, so that none calls another's
 // copy.
 
+inline constexpr std::uint32_t kWidth = 8;
+
+/// A child whose siblings go first, and above it where the ray enters it: no entry is below 0, and so integers order
+/// children as entries do.
+using DeferredChild = std::uint64_t;
+
 /// Room for all children that one ray can defer: on the stack, or on the heap for trees of an unusual depth.
 class WideStack {
 public:
     explicit WideStack(std::uint32_t depth) {
-        const std::size_t most = std::size_t{depth} * (kWideChildren - 1) + 1;
+        const std::size_t most = std::size_t{depth} * (kWidth - 1) + 1;
         if (most <= few_.size()) return;
         many_ = allocate_stack(most);
         entries_ = many_.get();
@@ -18,19 +24,6 @@ private:
     std::unique_ptr<DeferredChild[]> many_;
     DeferredChild* entries_ = few_.data();
 };
-
-/// Asks for all of a node or block that will be visited, unless it gets out of the ray's reach until then.
-inline void prefetch([[maybe_unused]] const WideTree& tree, [[maybe_unused]] std::uint32_t child) noexcept {
-#if defined(__GNUC__)
-    constexpr std::size_t line = 64;
-    const bool is_leaf = (child & kLeafFlag) != 0;
-    const auto* const begin = is_leaf ? reinterpret_cast<const char*>(&tree.blocks[child & ~kLeafFlag])
-                                      : reinterpret_cast<const char*>(&tree.nodes[child]);
-    const std::size_t bytes = is_leaf ? sizeof(TriangleBlock) : sizeof(WideNode);
-    for (std::size_t offset = 0; offset < bytes; offset += line)
-        __builtin_prefetch(begin + offset);
-#endif
-}
 
 /// The ray's side of the eight box tests of a node; the arithmetic is that of RaySlabs.
 template <typename Floats8>
@@ -45,7 +38,7 @@ public:
     }
 
     /// One bit for each child whose box the ray up to t_max meets, and where it enters each of them.
-    std::uint32_t enter(const WideNode& node, float t_max, float* entries) const noexcept {
+    std::uint32_t enter(const WideNode<8>& node, float t_max, float* entries) const noexcept {
         Floats8 entry = t_min_;
         Floats8 exit = Floats8::filled(t_max);
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -66,164 +59,324 @@ private:
     std::array<std::size_t, 3> near_side_;
 };
 
-/// Whether one triangle that `hits` names is hit; `t` is what was computed for a sure one. u and v are of no meaning.
-template <typename Test>
-std::optional<PlaneHit> confirm(const HitRule& rule, const Test& test, const TriangleBlock& block, std::uint32_t lane,
-                                const BlockHits& hits, float t) noexcept {
-    const TriangleVertices triangle = block.triangle(lane);
-    const bool is_sure = (hits.sure >> lane & 1) != 0;
-    return rule.accept(triangle, is_sure ? PlaneHit{t, 0.0f, 0.0f} : test.meet(triangle));
+[[nodiscard]] inline TriangleVertices triangle_of(const TriangleBlock& block, std::uint32_t lane) noexcept {
+    const auto vertex = [&](std::size_t i) {
+        return Vec3{block.vertices[i][0][lane], block.vertices[i][1][lane], block.vertices[i][2][lane]};
+    };
+    return {vertex(0), vertex(1), vertex(2)};
 }
+
+/// HitRule on the four triangles of a block.
+template <typename Floats4>
+class LanesHitRule {
+public:
+    explicit LanesHitRule(const HitRule& rule) noexcept : rule_(rule) {}
+
+    /// Which of the lanes in `hits` are hits; it may move their t.
+    [[nodiscard]] std::uint32_t accept(const TriangleBlock& block, std::uint32_t hits, Floats4& t) const noexcept {
+        const RaySlabs& slabs = rule_.slabs();
+        Floats4 entry = Floats4::filled(rule_.t_min());
+        Floats4 exit = Floats4::filled(rule_.t_max());
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            const Floats4 a = Floats4::load_aligned(block.vertices[0][axis].data());
+            const Floats4 b = Floats4::load_aligned(block.vertices[1][axis].data());
+            const Floats4 c = Floats4::load_aligned(block.vertices[2][axis].data());
+            const Floats4 origin = Floats4::filled(slabs.origin(axis)), inverse = Floats4::filled(slabs.inverse(axis));
+            const Floats4 lower = (min(min(a, b), c) - origin) * inverse;
+            const Floats4 upper = (max(max(a, b), c) - origin) * inverse;
+            const bool enters_high = slabs.enters_high(axis);
+            entry = max(enters_high ? upper : lower, entry);
+            exit = min(enters_high ? lower : upper, exit);
+        }
+        const Floats4 slack = Floats4::filled(kBoxSlack);
+        const auto is_behind = less(t * slack, entry);
+        t = select(is_behind, entry, t);
+        return hits & less_equal(entry, exit * slack).bits() & less_equal(t, Floats4::filled(rule_.t_max())).bits();
+    }
+
+private:
+    const HitRule& rule_;
+};
+
+/// What finds hits in leaves has of a ray.
+template <typename Set, typename Test>
+class BlockVisitor {
+public:
+    explicit BlockVisitor(const Ray& ray) noexcept : rule_(ray), test_(ray), lanes_(test_, ray, rule_.t_min()) {}
+
+    [[nodiscard]] const RaySlabs& slabs() const noexcept { return rule_.slabs(); }
+
+protected:
+    using Floats4 = typename Set::Float4;
+
+    /// Calls found(hit) with each hit of the block's triangles up to `t_max`, until it returns false. False where it
+    /// did.
+    template <typename Found>
+    bool visit_hits(const TriangleBlock& block, float t_max, const Found& found) const {
+        BlockHits<Floats4> hits = lanes_.hits(block, t_max);
+        if ((hits.sure | hits.inexact) == 0) return true;
+        if (hits.inexact != 0 && !visit_inexact(block, hits.inexact, t_max, found)) return false;
+        hits.sure = LanesHitRule<Floats4>(rule_).accept(block, hits.sure, hits.t);
+        if (hits.sure == 0) return true;
+        alignas(16) std::array<std::array<float, kBlockTriangles>, 3> values;
+        hits.t.store_aligned(values[0].data());
+        hits.u.store_aligned(values[1].data());
+        hits.v.store_aligned(values[2].data());
+        for (; hits.sure != 0; hits.sure &= hits.sure - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(hits.sure));
+            if (!found(Hit{values[0][lane], values[1][lane], values[2][lane], block.primitives[lane]})) return false;
+        }
+        return true;
+    }
+    [[nodiscard]] float ray_end() const noexcept { return rule_.t_max(); }
+
+private:
+    template <typename Found>
+    bool visit_inexact(const TriangleBlock& block, std::uint32_t lanes, float t_max, const Found& found) const {
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+            const TriangleVertices triangle = triangle_of(block, lane);
+            const std::optional<PlaneHit> hit = rule_.accept(triangle, test_.meet(triangle));
+            if (hit && hit->t <= t_max && !found(Hit{hit->t, hit->u, hit->v, block.primitives[lane]})) return false;
+        }
+        return true;
+    }
+
+    HitRule rule_;
+    Test test_;
+    LanesOf<Test, Floats4> lanes_;
+};
 
 /// Finds the closest hit in leaves.
 template <typename Set, typename Test>
-class ClosestBlock {
+class ClosestBlock : public BlockVisitor<Set, Test> {
 public:
     static constexpr bool kNearFirst = true;
 
-    explicit ClosestBlock(const Ray& ray) noexcept
-        : rule_(ray), test_(ray), lanes_(test_, ray, rule_.t_min()), t_max_(ray.t_max) {}
-
-    [[nodiscard]] const RaySlabs& slabs() const noexcept { return rule_.slabs(); }
+    explicit ClosestBlock(const Ray& ray) noexcept : BlockVisitor<Set, Test>(ray), t_max_(ray.t_max) {}
 
     /// Up to where a box matters.
     [[nodiscard]] float t_max() const noexcept { return t_max_; }
 
     /// Returns false to end the traversal.
     bool visit(const TriangleBlock& block) noexcept {
-        alignas(16) std::array<float, kBlockTriangles> t;
-        const BlockHits hits = lanes_.hits(block, t_max_, t.data());
-        for (std::uint32_t left = hits.sure | hits.inexact; left != 0; left &= left - 1) {
-            const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::optional<PlaneHit> found = confirm(rule_, test_, block, lane, hits, t[lane]);
-            if (found) take(block, lane, found->t);
-        }
-        return true;
+        return this->visit_hits(block, t_max_, [&](const Hit& hit) {
+            if (is_closer(hit.t, hit.primitive, hit_)) {
+                hit_ = hit;
+                t_max_ = hit.t;
+            }
+            return true;
+        });
     }
 
-    [[nodiscard]] Hit result() const noexcept {
-        if (block_ == nullptr) return {};
-        const std::optional<PlaneHit> found = test_.meet(block_->triangle(lane_));
-        return found ? Hit{hit_.t, found->u, found->v, hit_.primitive} : Hit{};
-    }
+    [[nodiscard]] Hit result() const noexcept { return hit_; }
 
 private:
-    void take(const TriangleBlock& block, std::uint32_t lane, float t) noexcept {
-        const std::uint32_t primitive = block.primitive(lane);
-        if (!is_closer(t, primitive, hit_)) return;
-        hit_.t = t_max_ = t;
-        hit_.primitive = primitive;
-        block_ = &block;
-        lane_ = lane;
+    float t_max_;
+    Hit hit_;
+};
+
+/// Finds the closest hit that a filter lets count.
+template <typename Set, typename Test>
+class FilteredClosestBlock : public BlockVisitor<Set, Test> {
+public:
+    static constexpr bool kNearFirst = true;
+
+    FilteredClosestBlock(const Ray& ray, const HitFilter& filter) noexcept
+        : BlockVisitor<Set, Test>(ray), ray_(ray), filter_(filter) {}
+
+    [[nodiscard]] float t_max() const noexcept { return hit_ ? hit_.t : this->ray_end(); }
+
+    bool visit(const TriangleBlock& block) {
+        return this->visit_hits(block, t_max(), [&](const Hit& hit) {
+            if (is_closer(hit.t, hit.primitive, hit_) && filter_(ray_, hit)) hit_ = hit;
+            return true;
+        });
     }
 
-    HitRule rule_;
-    Test test_;
-    LanesOf<Test, typename Set::Float4> lanes_;
-    float t_max_;
-    Hit hit_;  // without u and v
-    const TriangleBlock* block_ = nullptr;
-    std::uint32_t lane_ = 0;
+    [[nodiscard]] Hit result() const noexcept { return hit_; }
+
+private:
+    const Ray& ray_;
+    const HitFilter& filter_;
+    Hit hit_;
 };
 
 /// Finds out whether there is a hit.
 template <typename Set, typename Test>
-class AnyBlock {
+class AnyBlock : public BlockVisitor<Set, Test> {
 public:
     static constexpr bool kNearFirst = false;
 
-    explicit AnyBlock(const Ray& ray) noexcept : rule_(ray), test_(ray), lanes_(test_, ray, rule_.t_min()) {}
+    using BlockVisitor<Set, Test>::BlockVisitor;
 
-    [[nodiscard]] const RaySlabs& slabs() const noexcept { return rule_.slabs(); }
-    [[nodiscard]] float t_max() const noexcept { return rule_.t_max(); }
+    [[nodiscard]] float t_max() const noexcept { return this->ray_end(); }
 
     bool visit(const TriangleBlock& block) noexcept {
-        alignas(16) std::array<float, kBlockTriangles> t;
-        const BlockHits hits = lanes_.hits(block, rule_.t_max(), t.data());
-        for (std::uint32_t left = hits.sure | hits.inexact; left != 0 && !is_hit_; left &= left - 1) {
-            const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            is_hit_ = confirm(rule_, test_, block, lane, hits, t[lane]).has_value();
-        }
+        is_hit_ = !this->visit_hits(block, t_max(), [](const Hit&) { return false; });
         return !is_hit_;
     }
 
     [[nodiscard]] bool result() const noexcept { return is_hit_; }
 
 private:
-    HitRule rule_;
-    Test test_;
-    LanesOf<Test, typename Set::Float4> lanes_;
     bool is_hit_ = false;
 };
 
-/// Puts the children that are hit onto the stack, far ones first, save the nearest, which is returned.
-inline std::uint32_t defer_all_but_nearest(const WideTree& tree, const WideNode& node, const float* entries,
-                                           std::uint32_t hits, DeferredChild* stack, std::size_t& size) noexcept {
-    auto slot = static_cast<std::uint32_t>(std::countr_zero(hits));
-    DeferredChild nearest{entries[slot], node.children[slot]};
-    const std::size_t bottom = size;
-    for (hits &= hits - 1; hits != 0; hits &= hits - 1) {
-        slot = static_cast<std::uint32_t>(std::countr_zero(hits));
-        DeferredChild other{entries[slot], node.children[slot]};
-        if (other.t < nearest.t) std::swap(nearest, other);
-        std::size_t place = size++;
-        for (; place > bottom && stack[place - 1].t < other.t; --place)
-            stack[place] = stack[place - 1];
-        stack[place] = other;
-        prefetch(tree, other.child);
+/// Finds out whether there is a hit that a filter lets count.
+template <typename Set, typename Test>
+class FilteredAnyBlock : public BlockVisitor<Set, Test> {
+public:
+    static constexpr bool kNearFirst = false;
+
+    FilteredAnyBlock(const Ray& ray, const HitFilter& filter) noexcept
+        : BlockVisitor<Set, Test>(ray), ray_(ray), filter_(filter) {}
+
+    [[nodiscard]] float t_max() const noexcept { return this->ray_end(); }
+
+    bool visit(const TriangleBlock& block) {
+        is_hit_ = !this->visit_hits(block, t_max(), [&](const Hit& hit) { return !filter_(ray_, hit); });
+        return !is_hit_;
     }
-    return nearest.child;
+
+    [[nodiscard]] bool result() const noexcept { return is_hit_; }
+
+private:
+    const Ray& ray_;
+    const HitFilter& filter_;
+    bool is_hit_ = false;
+};
+
+/// Collects all hits.
+template <typename Set, typename Test>
+class AllBlock : public BlockVisitor<Set, Test> {
+public:
+    static constexpr bool kNearFirst = false;
+
+    AllBlock(const Ray& ray, std::vector<Hit>& hits) noexcept : BlockVisitor<Set, Test>(ray), hits_(hits) {}
+
+    [[nodiscard]] float t_max() const noexcept { return this->ray_end(); }
+
+    bool visit(const TriangleBlock& block) {
+        return this->visit_hits(block, t_max(), [&](const Hit& hit) {
+            add_hit(hits_, hit);
+            return true;
+        });
+    }
+
+    void result() const noexcept {}
+
+private:
+    std::vector<Hit>& hits_;
+};
+
+[[nodiscard]] inline DeferredChild deferred(const WideNode<8>& node, const std::uint32_t* entries,
+                                            std::uint32_t slot) noexcept {
+    return DeferredChild{entries[slot]} << 32U | node.children[slot];
+}
+
+/// Leaves the larger one in `a`, without a branch.
+inline void order(DeferredChild& a, DeferredChild& b) noexcept {
+    const DeferredChild larger = a > b ? a : b, smaller = a > b ? b : a;
+    a = larger;
+    b = smaller;
+}
+
+/// Puts the children that are hit onto the stack, far ones first, save the nearest, which is returned. There are two at
+/// least.
+inline std::uint32_t defer_all_but_nearest(const WideNode<8>& node, const std::uint32_t* entries, std::uint32_t hits,
+                                           DeferredChild*& top) noexcept {
+    const auto take = [&] {
+        const auto slot = static_cast<std::uint32_t>(std::countr_zero(hits));
+        hits &= hits - 1;
+        return deferred(node, entries, slot);
+    };
+    DeferredChild a = take(), b = take();
+    order(a, b);
+    if (hits == 0) {
+        *top++ = a;
+        return static_cast<std::uint32_t>(b);
+    }
+    DeferredChild c = take();
+    order(b, c);
+    order(a, b);
+    if (hits == 0) {
+        top[0] = a;
+        top[1] = b;
+        top += 2;
+        return static_cast<std::uint32_t>(c);
+    }
+    DeferredChild* const bottom = top;
+    top[0] = a;
+    top[1] = b;
+    top[2] = c;
+    top += 3;
+    while (hits != 0) {
+        const DeferredChild other = take();
+        DeferredChild* place = top++;
+        for (; place > bottom && place[-1] < other; --place)
+            place[0] = place[-1];
+        *place = other;
+    }
+    return static_cast<std::uint32_t>(*--top);
 }
 
 /// Puts the children that are hit onto the stack, last ones first, save the first, which is returned.
-inline std::uint32_t defer_all_but_first(const WideTree& tree, const WideNode& node, std::uint32_t hits,
-                                         DeferredChild* stack, std::size_t& size) noexcept {
+inline std::uint32_t defer_all_but_first(const WideNode<8>& node, std::uint32_t hits, DeferredChild*& top) noexcept {
     for (;;) {
         const auto slot = static_cast<std::uint32_t>(31 - std::countl_zero(hits));
         const std::uint32_t other = node.children[slot];
         hits ^= 1U << slot;
         if (hits == 0) return other;
-        stack[size++] = {0.0f, other};
-        prefetch(tree, other);
+        *top++ = other;
     }
 }
 
 /// Takes the ray to the blocks of all leaves whose boxes it meets, near ones first where the visitor needs them so.
 template <typename Set, typename Visitor>
-void walk(const WideTree& tree, Visitor& visitor, DeferredChild* stack) noexcept {
+void walk(const Wide8& tree, Visitor& visitor, DeferredChild* const stack) {
     const WideBoxTest<typename Set::Float8> box_test(visitor.slabs());
-    std::size_t size = 0;
+    const WideNode<8>* const nodes = tree.nodes.data();
+    const TriangleBlock* const blocks = tree.blocks.data();
+    DeferredChild* top = stack;
     std::uint32_t child = 0;
     for (;;) {
-        if ((child & kLeafFlag) != 0) {
-            for (const TriangleBlock* block = &tree.blocks[child & ~kLeafFlag];; ++block) {
-                if (!visitor.visit(*block)) return;
-                if (block->is_last()) break;
-            }
-        } else {
-            const WideNode& node = tree.nodes[child];
-            alignas(32) std::array<float, kWideChildren> entries;
-            std::uint32_t hits = box_test.enter(node, visitor.t_max(), entries.data());
+        if (!WideChild::is_leaf(child)) {
+            const WideNode<8>& node = nodes[child];
+            alignas(32) std::array<float, kWidth> entries;
+            const std::uint32_t hits = box_test.enter(node, visitor.t_max(), entries.data());
             if (hits != 0) {
-                if constexpr (Visitor::kNearFirst) {
-                    child = defer_all_but_nearest(tree, node, entries.data(), hits, stack, size);
+                // One child, the most frequent case, goes past the stack.
+                if ((hits & (hits - 1)) == 0) {
+                    child = node.children[static_cast<std::uint32_t>(std::countr_zero(hits))];
+                } else if constexpr (Visitor::kNearFirst) {
+                    std::array<std::uint32_t, kWidth> bits;
+                    std::memcpy(bits.data(), entries.data(), sizeof bits);
+                    child = defer_all_but_nearest(node, bits.data(), hits, top);
                 } else {
-                    child = defer_all_but_first(tree, node, hits, stack, size);
+                    child = defer_all_but_first(node, hits, top);
                 }
                 continue;
             }
+        } else {
+            const TriangleBlock* block = blocks + WideChild::first_block(child);
+            const TriangleBlock* const end = block + WideChild::block_count(child);
+            for (; block != end; ++block) {
+                if (!visitor.visit(*block)) return;
+            }
         }
+        const auto reach = std::bit_cast<std::uint32_t>(visitor.t_max() * kBoxSlack);
         do {
-            if (size == 0) return;
-            --size;
-        } while (!(stack[size].t <= visitor.t_max() * kBoxSlack));
-        child = stack[size].child;
+            if (top == stack) return;
+            --top;
+        } while (static_cast<std::uint32_t>(*top >> 32U) > reach);
+        child = static_cast<std::uint32_t>(*top);
     }
 }
 
-template <typename Set, template <typename, typename> typename Block, typename Test>
-auto trace(const WideTree& tree, const Ray& ray) {
-    Block<Set, Test> visitor(ray);
+template <typename Set, typename Visitor, typename... More>
+auto trace(const Wide8& tree, const Ray& ray, More&... more) {
+    Visitor visitor(ray, more...);
     if (!tree.nodes.empty() && is_traceable(ray)) {
         WideStack stack(tree.depth);
         walk<Set>(tree, visitor, stack.entries());
@@ -231,10 +384,13 @@ auto trace(const WideTree& tree, const Ray& ray) {
     return visitor.result();
 }
 
+template <typename Set, typename Test>
+constexpr WideTracing kTracing{trace<Set, ClosestBlock<Set, Test>>, trace<Set, AnyBlock<Set, Test>>,
+                               trace<Set, FilteredClosestBlock<Set, Test>, const HitFilter>,
+                               trace<Set, FilteredAnyBlock<Set, Test>, const HitFilter>,
+                               trace<Set, AllBlock<Set, Test>, std::vector<Hit>>};
+
 template <typename Set>
 WideTracing tracing_of(TriangleTest test) noexcept {
-    if (test == TriangleTest::watertight) {
-        return {trace<Set, ClosestBlock, WatertightTest>, trace<Set, AnyBlock, WatertightTest>};
-    }
-    return {trace<Set, ClosestBlock, MollerTrumboreTest>, trace<Set, AnyBlock, MollerTrumboreTest>};
+    return test == TriangleTest::watertight ? kTracing<Set, WatertightTest> : kTracing<Set, MollerTrumboreTest>;
 }

@@ -3,13 +3,15 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "clbvh/trace/box_tests.hpp"
-#include "clbvh/trace/traverse.hpp"
 #include "core/simd/avx2.hpp"
+#include "trace/leaf_triangles.hpp"
 #include "trace/triangle_tests.hpp"
 #include "trace/wide_tracing.hpp"
 

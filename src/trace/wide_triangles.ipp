@@ -1,9 +1,11 @@
 // The triangle tests on blocks of four, in terms of the vectors of core/simd.
 
-/// Which triangles of a block a ray hits: one bit each. `inexact` ones have an edge function of 0, so that the test of
-/// a single triangle has to decide.
+/// Which triangles of a block a ray hits: one bit each, and where the sure ones are hit. `inexact` ones have an edge
+/// function of 0, so that the test of a single triangle has to decide.
+template <typename Floats4>
 struct BlockHits {
-    std::uint32_t sure, inexact;
+    std::uint32_t sure = 0, inexact = 0;
+    Floats4 t, u, v;
 };
 
 /// WatertightTest on four triangles.
@@ -20,8 +22,8 @@ public:
                    Floats4::filled(test.shear().factor_z)},
           t_min_(Floats4::filled(t_min)) {}
 
-    /// Sets t of the sure ones; all of them are between the ray's beginning and t_max.
-    BlockHits hits(const TriangleBlock& block, float t_max, float* t) const noexcept {
+    /// All sure ones are between the ray's beginning and t_max.
+    BlockHits<Floats4> hits(const TriangleBlock& block, float t_max) const noexcept {
         const Sheared a = sheared(block, 0);
         const Sheared b = sheared(block, 1);
         const Sheared c = sheared(block, 2);
@@ -32,15 +34,15 @@ public:
         // A NaN among them makes the determinant, and so t, NaN too.
         const std::uint32_t outside = less(min(min(u, v), w), zero).bits() & less(zero, max(max(u, v), w)).bits();
         const std::uint32_t inside = ~outside & 15U;
-        if (inside == 0) return {0, 0};
+        if (inside == 0) return {0, 0, zero, zero, zero};
         const std::uint32_t inexact = inside & (equal(u, zero) | equal(v, zero) | equal(w, zero)).bits();
         const Floats4 determinant = (u + v) + w;
         const Floats4 scaled_t = ((u * a.z) + (v * b.z)) + (w * c.z);
         const Floats4 quotient = scaled_t / determinant;
-        quotient.store_aligned(t);
         const std::uint32_t in_range =
             less_equal(t_min_, quotient).bits() & less_equal(quotient, Floats4::filled(t_max)).bits();
-        return {inside & ~inexact & in_range & ~equal(determinant, zero).bits(), inexact};
+        return {inside & ~inexact & in_range & ~equal(determinant, zero).bits(), inexact, quotient, v / determinant,
+                w / determinant};
     }
 
 private:
@@ -67,8 +69,8 @@ public:
     MollerTrumboreLanes(const MollerTrumboreTest&, const Ray& ray, float t_min) noexcept
         : origin_(filled(ray.origin)), direction_(filled(ray.direction)), t_min_(Floats4::filled(t_min)) {}
 
-    /// Sets t of the sure ones; all of them are between the ray's beginning and t_max.
-    BlockHits hits(const TriangleBlock& block, float t_max, float* t) const noexcept {
+    /// All sure ones are between the ray's beginning and t_max.
+    BlockHits<Floats4> hits(const TriangleBlock& block, float t_max) const noexcept {
         const Vector v0 = vertex(block, 0);
         const Vector edge1 = difference(vertex(block, 1), v0);
         const Vector edge2 = difference(vertex(block, 2), v0);
@@ -82,10 +84,10 @@ public:
         const Floats4 zero = Floats4::filled(0.0f);
         const std::uint32_t inside = less_equal(zero, u).bits() & less_equal(zero, v).bits() &
                                      less_equal(u + v, Floats4::filled(1.0f)).bits() & ~equal(determinant, zero).bits();
-        if (inside == 0) return {0, 0};
+        if (inside == 0) return {0, 0, zero, zero, zero};
         const Floats4 product = dot(edge2, q) * inverse;
-        product.store_aligned(t);
-        return {inside & less_equal(t_min_, product).bits() & less_equal(product, Floats4::filled(t_max)).bits(), 0};
+        return {inside & less_equal(t_min_, product).bits() & less_equal(product, Floats4::filled(t_max)).bits(), 0,
+                product, u, v};
     }
 
 private:

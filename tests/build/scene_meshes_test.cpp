@@ -14,7 +14,7 @@
 #include "clbvh/metrics/epo.hpp"
 #include "clbvh/metrics/sah.hpp"
 #include "clbvh/optimize/reinsert.hpp"
-#include "clbvh/trace/tracer.hpp"
+#include "clbvh/trace/binary_tracer.hpp"
 #include "support/builders.hpp"
 #include "support/oracle/ray_oracle.hpp"
 
@@ -66,7 +66,7 @@ void expect_good_trees_of(const std::string& name) {
 }
 
 /// How many of the rays find something else on the device, or cost something else.
-std::size_t count_other_hits(const Tracer& host, DeviceTracer& device, const std::vector<Ray>& rays) {
+std::size_t count_other_hits(const BinaryTracer& host, DeviceTracer& device, const std::vector<Ray>& rays) {
     std::vector<Hit> expected(rays.size()), counted(rays.size()), uncounted(rays.size());
     std::vector<RayCounts> expected_counts(rays.size()), counts(rays.size());
     host.closest(rays, expected, expected_counts);
@@ -102,7 +102,7 @@ void expect_same_hits(const std::string& name) {
     BuildOptions collapsed;
     collapsed.max_leaf_size = 8;
     for (const Bvh& bvh : {make_builder("hploc").build(*mesh), build(*mesh, "binned-sah", collapsed)}) {
-        const Tracer host(bvh, *mesh);
+        const BinaryTracer host(bvh, *mesh);
         for (const Shape shape : {Shape::lane, Shape::group}) {
             DeviceTracerOptions options;
             options.shape = shape;

@@ -39,9 +39,10 @@ int run(std::span<char*> arguments) {
     std::vector<clbvh::Hit> hits(rays.size()), expected(rays.size()), uncounted(rays.size());
     std::vector<clbvh::RayCounts> counts(rays.size()), expected_counts(rays.size());
     std::vector<std::uint8_t> is_hit(rays.size()), expected_is_hit(rays.size());
-    const clbvh::Tracer host(bvh, mesh);
+    const clbvh::BinaryTracer host(bvh, mesh);
+    std::vector<clbvh::RayCounts> any_counts(rays.size());
     host.closest(rays, expected, expected_counts);
-    host.any(rays, expected_is_hit);
+    host.any(rays, expected_is_hit, any_counts);
     clbvh::DeviceTracer device(clbvh::Context::open(), options);
     device.set_scene(bvh, mesh);
     device.closest(rays, hits, counts);

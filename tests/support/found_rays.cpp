@@ -1,5 +1,6 @@
 #include "support/found_rays.hpp"
 
+#include "clbvh/trace/binary_tracer.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "support/oracle/ray_oracle.hpp"
 
@@ -23,7 +24,7 @@ DeviceTracerOptions tracer_options(Shape shape, TriangleTest test) {
 }
 
 Found found_by_host(const Bvh& bvh, const Mesh& mesh, TriangleTest test, std::span<const Ray> rays) {
-    const Tracer tracer(bvh, mesh, {test});
+    const BinaryTracer tracer(bvh, mesh, {test});
     Found found(rays.size());
     tracer.closest(rays, found.hits, found.closest_counts);
     tracer.any(rays, found.is_hit, found.any_counts);

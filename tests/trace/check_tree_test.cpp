@@ -3,6 +3,7 @@
 
 #include "clbvh/builder.hpp"
 #include "clbvh/io/scene.hpp"
+#include "clbvh/trace/binary_tracer.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "support/expect_error.hpp"
 #include "support/oracle/ray_oracle.hpp"
@@ -92,7 +93,7 @@ TEST_CASE("a tree may be a single leaf, without the unused node beside it") {
     }
     bvh.nodes = {{{box.lower.x, box.lower.y, box.lower.z}, 0, {box.upper.x, box.upper.y, box.upper.z}, 9}};
     const Tracer tracer(bvh, mesh);
-    CHECK(tracer.depth() == 0);
+    CHECK(BinaryTracer(bvh, mesh).depth() == 0);
     std::size_t differences = 0;
     for (const Ray& ray : difficult_rays(mesh, 200))
         differences += same_bits(tracer.closest(ray), brute_force_closest(mesh, ray)) ? 0 : 1;
@@ -105,18 +106,19 @@ TEST_CASE("trees of any depth are traced") {
             INFO(length << ' ' << rest_is_first);
             const Chain chain(length, rest_is_first);
             const Tracer tracer(chain.bvh, chain.mesh);
-            CHECK(tracer.depth() == length - 1);
+            const BinaryTracer binary(chain.bvh, chain.mesh);
+            CHECK(binary.depth() == length - 1);
             const auto end = static_cast<float>(length);
             // From the far end every leaf is deferred, and from the near end none.
             const Ray from_end{{end, 0.0f, -0.5f}, 0.0f, {-1, 0, 0}};
             const Ray from_begin{{-1.0f, 0.0f, -0.5f}, 0.0f, {1, 0, 0}};
             RayCounts counts;
             CHECK(tracer.closest(from_end).primitive == length - 1);
-            CHECK(tracer.closest(from_end, counts).primitive == length - 1);
+            CHECK(binary.closest(from_end, counts).primitive == length - 1);
             CHECK(counts.inner_nodes == length - 1);
             CHECK(tracer.closest(from_begin).primitive == 0);
             CHECK(tracer.any(from_end));
-            CHECK(tracer.visits(from_end) == RayCounts{length - 1, length, length});
+            CHECK(binary.visits(from_end) == RayCounts{length - 1, length, length});
             std::size_t hits = 0;
             tracer.all(from_end, [&](const Hit&) { return ++hits > 0; });
             CHECK(hits == length);

@@ -7,7 +7,7 @@
 #include "clbvh/builder.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
-#include "clbvh/trace/tracer.hpp"
+#include "clbvh/trace/binary_tracer.hpp"
 #include "core/random.hpp"
 #include "support/oracle/ray_oracle.hpp"
 
@@ -120,7 +120,7 @@ TEST_CASE("counts are those of the traversal's definition") {
             BuildOptions options;
             options.max_leaf_size = id == std::string_view("binned-sah") ? 8 : 1;
             const Bvh bvh = build(mesh, id, options);
-            const Tracer tracer(bvh, mesh);
+            const BinaryTracer tracer(bvh, mesh);
             std::size_t differences = 0;
             for (const Ray& ray : difficult_rays(mesh, 30)) {
                 CountOracle closest(bvh, mesh, ray), any(bvh, mesh, ray), visits(bvh, mesh, ray);
@@ -140,7 +140,7 @@ TEST_CASE("counts are those of the traversal's definition") {
 
 TEST_CASE("counts are added to what there was") {
     const Mesh mesh = generate_scene("soup", 600);
-    const Tracer tracer(build(mesh, "median"), mesh);
+    const BinaryTracer tracer(build(mesh, "median"), mesh);
     const Ray ray = difficult_rays(mesh, 1)[0];
     RayCounts once, twice;
     static_cast<void>(tracer.closest(ray, once));
@@ -158,7 +158,7 @@ TEST_CASE("random lines cost what the SAH predicts") {
             BuildOptions options;
             options.max_leaf_size = 4;
             const Bvh bvh = build(mesh, id, options);
-            const Tracer tracer(bvh, mesh);
+            const BinaryTracer tracer(bvh, mesh);
             Random random(11);
             // The first is the number of inner nodes, the second that of triangles.
             std::array<double, 2> sum{}, sum_of_squares{};

@@ -1,4 +1,5 @@
 #include "clbvh/trace/tracer.hpp"
+#include "clbvh/trace/binary_tracer.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -40,12 +41,15 @@ std::vector<Tree> host_trees(const Mesh& mesh) {
 }
 
 /// How many of the rays get another closest hit, or another answer from any(), than without a tree.
-std::size_t count_differences(const Tracer& tracer, std::span<const Ray> rays, std::span<const Hit> expected) {
+std::size_t count_differences(const Bvh& bvh, const Mesh& mesh, std::span<const Ray> rays,
+                              std::span<const Hit> expected, TriangleTest test = TriangleTest::watertight) {
+    const Tracer tracer(bvh, mesh, {test});
+    const BinaryTracer binary(bvh, mesh, {test});
     std::size_t differences = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         RayCounts counts;
         const bool agrees = same_bits(tracer.closest(rays[i]), expected[i]) &&
-                            same_bits(tracer.closest(rays[i], counts), expected[i]) &&
+                            same_bits(binary.closest(rays[i], counts), expected[i]) &&
                             tracer.any(rays[i]) == static_cast<bool>(expected[i]);
         if (!agrees) ++differences;
     }
@@ -81,7 +85,7 @@ TEST_CASE("the closest hit does not depend on the tree, and any() tells whether 
             const std::vector<Hit> expected = closest_without_tree(mesh, rays, test);
             for (const Tree& tree : trees) {
                 INFO(scene.name << ", " << tree.name << ", test " << static_cast<int>(test));
-                CHECK(count_differences(Tracer(tree.bvh, mesh, {test}), rays, expected) == 0);
+                CHECK(count_differences(tree.bvh, mesh, rays, expected, test) == 0);
             }
         }
     }
@@ -95,7 +99,7 @@ TEST_CASE("the closest hit does not depend on a tree that a device built") {
         for (const std::string_view id : device_builders()) {
             INFO(scene << ", " << id);
             const Bvh bvh = built_tree(id, mesh);
-            CHECK(count_differences(Tracer(bvh, mesh), rays, expected) == 0);
+            CHECK(count_differences(bvh, mesh, rays, expected) == 0);
         }
     }
 }
@@ -120,16 +124,18 @@ TEST_CASE("all hits come in order, each primitive once, and as often as the call
 
 TEST_CASE("rays that hit nothing by definition cost nothing") {
     const Mesh mesh = generate_scene("soup", 2000);
-    const Tracer tracer(build(mesh, "binned-sah"), mesh);
+    const Bvh bvh = build(mesh, "binned-sah");
+    const Tracer tracer(bvh, mesh);
+    const BinaryTracer binary(bvh, mesh);
     for (const Ray& ray : untraceable_rays()) {
         INFO(ray.origin.x << ' ' << ray.direction.x << ' ' << ray.t_min << ' ' << ray.t_max);
         RayCounts counts;
         CHECK(same_bits(tracer.closest(ray), Hit{}));
         CHECK_FALSE(tracer.any(ray));
-        CHECK(same_bits(tracer.closest(ray, counts), Hit{}));
-        CHECK_FALSE(tracer.any(ray, counts));
+        CHECK(same_bits(binary.closest(ray, counts), Hit{}));
+        CHECK_FALSE(binary.any(ray, counts));
         CHECK(counts == RayCounts{});
-        CHECK(tracer.visits(ray) == RayCounts{});
+        CHECK(binary.visits(ray) == RayCounts{});
         CHECK(all_hits(tracer, ray).empty());
     }
 }
@@ -152,8 +158,9 @@ TEST_CASE("an empty tree is missed") {
     const Ray ray{{0, 0, 0}, 0.0f, {0, 0, 1}};
     CHECK_FALSE(tracer.closest(ray));
     CHECK_FALSE(tracer.any(ray));
-    CHECK(tracer.visits(ray) == RayCounts{});
-    CHECK(tracer.depth() == 0);
+    const BinaryTracer binary(build(mesh, "median"), mesh);
+    CHECK(binary.visits(ray) == RayCounts{});
+    CHECK(binary.depth() == 0);
     CHECK(all_hits(tracer, ray).empty());
 }
 
@@ -184,22 +191,23 @@ TEST_CASE("many rays at a time are traced as one by one, on any number of thread
     const std::vector<Ray> rays = difficult_rays(mesh, 300);
     for (const std::uint32_t threads : {0u, 1u, 2u, 7u}) {
         const Tracer tracer(bvh, mesh, {TriangleTest::watertight, threads});
+        const BinaryTracer binary(bvh, mesh, {TriangleTest::watertight, threads});
         std::vector<Hit> hits(rays.size()), counted_hits(rays.size());
         std::vector<std::uint8_t> any(rays.size(), 9), counted_any(rays.size(), 9);
         std::vector<RayCounts> closest_counts(rays.size(), {9, 9, 9, 9}), any_counts(rays.size()), visits(rays.size());
         tracer.closest(rays, hits);
-        tracer.closest(rays, counted_hits, closest_counts);
+        binary.closest(rays, counted_hits, closest_counts);
         tracer.any(rays, any);
-        tracer.any(rays, counted_any, any_counts);
-        tracer.visits(rays, visits);
+        binary.any(rays, counted_any, any_counts);
+        binary.visits(rays, visits);
         std::size_t differences = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
             RayCounts closest_count, any_count;
-            const Hit hit = tracer.closest(rays[i], closest_count);
-            const bool is_hit = tracer.any(rays[i], any_count);
+            const Hit hit = binary.closest(rays[i], closest_count);
+            const bool is_hit = binary.any(rays[i], any_count);
             const bool agrees = same_bits(hits[i], hit) && same_bits(counted_hits[i], hit) && any[i] == is_hit &&
                                 counted_any[i] == is_hit && closest_counts[i] == closest_count &&
-                                any_counts[i] == any_count && visits[i] == tracer.visits(rays[i]);
+                                any_counts[i] == any_count && visits[i] == binary.visits(rays[i]);
             if (!agrees) ++differences;
         }
         CHECK(differences == 0);
@@ -208,15 +216,91 @@ TEST_CASE("many rays at a time are traced as one by one, on any number of thread
 
 TEST_CASE("spans of another length are refused") {
     const Mesh mesh = generate_scene("soup", 10);
-    const Tracer tracer(build(mesh, "median"), mesh);
+    const Bvh bvh = build(mesh, "median");
+    const Tracer tracer(bvh, mesh);
+    const BinaryTracer binary(bvh, mesh);
     const std::vector<Ray> rays(3);
     std::vector<Hit> hits(2);
     std::vector<std::uint8_t> any(4);
     std::vector<RayCounts> counts(2);
     expect_error(ErrorCode::invalid_input, {"hits", "2", "3"}, [&] { tracer.closest(rays, hits); });
     expect_error(ErrorCode::invalid_input, {"is_hit", "4", "3"}, [&] { tracer.any(rays, any); });
-    expect_error(ErrorCode::invalid_input, {"counts", "2", "3"}, [&] { tracer.visits(rays, counts); });
+    expect_error(ErrorCode::invalid_input, {"counts", "2", "3"}, [&] { binary.visits(rays, counts); });
     expect_error(ErrorCode::invalid_input, {"thread_count", "1025"}, [&] {
         Tracer(build(mesh, "median"), mesh, {TriangleTest::watertight, 1025});
     });
+}
+
+TEST_CASE("a filter decides which hits count") {
+    for (const char* scene : {"hair", "soup"}) {
+        const Mesh mesh = generate_scene(scene, 2000);
+        const Tracer tracer(build(mesh, "binned-sah"), mesh);
+        const auto is_solid = [](const Ray&, const Hit& hit) { return hit.primitive % 3 != 0; };
+        const std::vector<Ray> rays = difficult_rays(mesh, 200);
+        std::vector<Hit> hits(rays.size());
+        std::vector<std::uint8_t> is_hit(rays.size());
+        tracer.closest(rays, hits, is_solid);
+        tracer.any(rays, is_hit, is_solid);
+        std::size_t differences = 0, passed = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            Hit expected;
+            for (const Hit& hit : all_hits(tracer, rays[i])) {
+                if (is_solid(rays[i], hit)) {
+                    expected = hit;
+                    break;
+                }
+                ++passed;
+            }
+            differences += same_bits(hits[i], expected) && is_hit[i] == (expected ? 1 : 0) ? 0 : 1;
+        }
+        CHECK(differences == 0);
+        CHECK(passed > 100);
+    }
+}
+
+TEST_CASE("what a filter throws leaves the call") {
+    const Mesh mesh = generate_scene("soup", 200);
+    const Tracer tracer(build(mesh, "binned-sah"), mesh);
+    const std::vector<Ray> rays = difficult_rays(mesh, 200);
+    std::vector<Hit> hits(rays.size());
+    const auto fail = [](const Ray&, const Hit&) -> bool { throw std::runtime_error("no texture"); };
+    CHECK_THROWS_WITH(tracer.closest(rays, hits, fail), "no texture");
+}
+
+TEST_CASE("all hits of many rays are those of each") {
+    const Mesh mesh = generate_scene("hair", 2000);
+    const Tracer tracer(build(mesh, "binned-sah"), mesh);
+    const std::vector<Ray> rays = difficult_rays(mesh, 300);
+    const HitLists lists = tracer.all(rays);
+    REQUIRE(lists.begins.size() == rays.size() + 1);
+    CHECK(lists.begins.front() == 0);
+    CHECK(lists.begins.back() == lists.hits.size());
+    std::size_t differences = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const auto found = std::span(lists.hits).subspan(lists.begins[i], lists.begins[i + 1] - lists.begins[i]);
+        differences += std::ranges::equal(found, all_hits(tracer, rays[i]), same_bits) ? 0 : 1;
+    }
+    CHECK(differences == 0);
+    CHECK(tracer.all(std::span<const Ray>{}).begins == std::vector<std::uint64_t>{0});
+}
+
+TEST_CASE("a tracer borrows a layout, or owns it") {
+    const Mesh mesh = generate_scene("city", 3000), other = generate_scene("city", 3000, 5);
+    const Bvh bvh = build(mesh, "binned-sah"), other_bvh = build(other, "binned-sah");
+    const std::vector<Ray> rays = difficult_rays(mesh, 300);
+    const auto differences = [&](const Tracer& a, const Tracer& b) {
+        std::size_t count = 0;
+        for (const Ray& ray : rays)
+            count += same_bits(a.closest(ray), b.closest(ray)) ? 0 : 1;
+        return count;
+    };
+    Wide8 layout = make_layout<Wide8>(bvh, mesh);
+    const Tracer borrower(std::as_const(layout));
+    CHECK(&borrower.layout() == &layout);
+    CHECK(differences(borrower, Tracer(bvh, mesh)) == 0);
+    make_layout(other_bvh, other, layout);
+    CHECK(differences(borrower, Tracer(other_bvh, other)) == 0);
+    CHECK(differences(borrower, Tracer(bvh, mesh)) > 0);
+    const Tracer owner(std::move(layout));
+    CHECK(differences(owner, Tracer(other_bvh, other)) == 0);
 }

@@ -5,6 +5,7 @@
 #include <clbvh/core/ray.hpp>
 #include <clbvh/device/context.hpp>
 #include <clbvh/eval/camera.hpp>
+#include <clbvh/trace/binary_tracer.hpp>
 #include <clbvh/trace/tracer.hpp>
 #include <cstdint>
 #include <memory>

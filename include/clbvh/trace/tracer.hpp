@@ -4,22 +4,30 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "clbvh/core/bvh.hpp"
-#include "clbvh/core/mesh.hpp"
+#include "clbvh/core/primitives.hpp"
 #include "clbvh/core/ray.hpp"
 #include "clbvh/export.h"
+#include "clbvh/layout/wide.hpp"
+#include "clbvh/trace/hit_filter.hpp"
 
 namespace clbvh {
 
-/// How a Tracer traces.
+/// How a tracer traces.
 struct TracerOptions {
     TriangleTest triangle_test = TriangleTest::watertight;
     std::uint32_t thread_count = 0;  ///< Threads of the calls for many rays, 1 to 1024; 0: all.
 };
 
-/// Traces rays on the host through a tree over a triangle mesh. Keeps a copy of all it needs: tree and mesh may go.
-/// Any number of threads may use it at a time.
+/// The hits of many rays: those of ray i are hits[begins[i] .. begins[i + 1]).
+struct HitLists {
+    std::vector<std::uint64_t> begins;  ///< One more than rays.
+    std::vector<Hit> hits;
+};
+
+/// Traces rays on the host through a layout of eight children a node. Any number of threads may use it at a time.
 ///
 /// The closest hit is the one with the smallest t, and among equal ones the smallest primitive. What rounding puts
 /// before a triangle's own box counts from where the ray enters that box, and a ray that misses the box misses the
@@ -28,9 +36,15 @@ struct TracerOptions {
 /// hit. Where coordinates relative to the ray's origin exceed about 1e12, products overflow and triangles are missed.
 class CLBVH_API Tracer {
 public:
+    /// Makes a layout of its own: tree and mesh may go.
     /// Throws Error(invalid_input) where the tree was not built over this mesh: nodes, ids or indices out of range, or
     /// loops.
     Tracer(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options = {});
+    /// Takes the layout over.
+    explicit Tracer(Wide8&& layout, const TracerOptions& options = {});
+    /// Borrows the layout, which has to stay where it is as long as the tracer. What is made of it anew, or refitted,
+    /// while no ray is traced, is what the next ray goes through.
+    explicit Tracer(const Wide8& layout, const TracerOptions& options = {});
     Tracer(const Tracer&) = delete;
     Tracer(Tracer&&) noexcept;
     Tracer& operator=(const Tracer&) = delete;
@@ -39,26 +53,23 @@ public:
 
     [[nodiscard]] Hit closest(const Ray& ray) const;  ///< The first hit along the ray.
     [[nodiscard]] bool any(const Ray& ray) const;     ///< Whether there is a hit at all; stops at the first one found.
-    /// The same hit, and what it cost: added to `counts`.
-    [[nodiscard]] Hit closest(const Ray& ray, RayCounts& counts) const;
-    [[nodiscard]] bool any(const Ray& ray, RayCounts& counts) const;
+    /// Of the hits that the filter lets count.
+    [[nodiscard]] Hit closest(const Ray& ray, const HitFilter& filter) const;
+    [[nodiscard]] bool any(const Ray& ray, const HitFilter& filter) const;
     /// Calls `visit` with every hit, ordered by t and then by primitive, until it returns false.
     void all(const Ray& ray, const std::function<bool(const Hit&)>& visit) const;
-
-    /// The nodes and triangles that the ray would visit if no hit ended it: every inner node and leaf whose box it
-    /// meets up to t_max, and their triangles. Over random lines through the root's box these add up to the SAH cost.
-    [[nodiscard]] RayCounts visits(const Ray& ray) const;
 
     /// Many rays at a time, in parallel; hits[i] is that of rays[i]. Throws Error(invalid_input) where the spans differ
     /// in length.
     void closest(std::span<const Ray> rays, std::span<Hit> hits) const;
     void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) const;  ///< 1 or 0 each.
-    /// The same with what each ray cost; counts[i] is set, not added to.
-    void closest(std::span<const Ray> rays, std::span<Hit> hits, std::span<RayCounts> counts) const;
-    void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, std::span<RayCounts> counts) const;
-    void visits(std::span<const Ray> rays, std::span<RayCounts> counts) const;
+    void closest(std::span<const Ray> rays, std::span<Hit> hits, const HitFilter& filter) const;
+    void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, const HitFilter& filter) const;
+    /// Every hit of each ray, ordered by t and then by primitive.
+    [[nodiscard]] HitLists all(std::span<const Ray> rays) const;
 
-    [[nodiscard]] std::uint32_t depth() const noexcept;  ///< Edges on the longest path from the root to a leaf.
+    /// What is traced.
+    [[nodiscard]] const Wide8& layout() const noexcept;
 
 private:
     struct State;

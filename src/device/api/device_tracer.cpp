@@ -11,7 +11,7 @@
 #include "device/api/caller_queue.hpp"
 #include "device/trace/host_scene.hpp"
 #include "device/trace/trace.hpp"
-#include "trace/check_tree.hpp"
+#include "layout/check_tree.hpp"
 
 namespace clbvh {
 namespace {
@@ -202,7 +202,7 @@ void DeviceTracer::enqueue_any(cl_command_queue queue, const DeviceScene& scene,
 void DeviceTracer::set_scene(const Bvh& bvh, const MeshView& mesh) {
     with_memory_errors("a scene's check", [&] {
         state_->host_scene.reset();
-        static_cast<void>(trace::check_tree(bvh, mesh));
+        static_cast<void>(layout::check_tree(bvh, mesh));
         state_->host_scene.emplace(state_->context.session(), state_->settings, bvh, mesh);
     });
 }

@@ -9,6 +9,7 @@
 #include "clbvh/core/error.hpp"
 #include "clbvh/host/median.hpp"
 #include "clbvh/io/scene.hpp"
+#include "clbvh/trace/binary_tracer.hpp"
 #include "clbvh/trace/tracer.hpp"
 #include "support/builders.hpp"
 #include "support/environment_variable.hpp"
@@ -43,16 +44,17 @@ Bytes hit_bytes(const Mesh& mesh, const Bvh& bvh, const std::vector<Ray>& rays) 
     Bytes bytes;
     for (const TriangleTest test : {TriangleTest::watertight, TriangleTest::moller_trumbore}) {
         const Tracer tracer(bvh, mesh, {test});
+        const BinaryTracer binary(bvh, mesh, {test});
         std::vector<Hit> hits;
         std::vector<RayCounts> costs;
         std::vector<std::uint8_t> any;
         for (const Ray& ray : rays) {
             RayCounts counts;
             hits.push_back(tracer.closest(ray));
-            hits.push_back(tracer.closest(ray, counts));
+            hits.push_back(binary.closest(ray, counts));
             any.push_back(tracer.any(ray) ? 1 : 0);
             costs.push_back(counts);
-            costs.push_back(tracer.visits(ray));
+            costs.push_back(binary.visits(ray));
         }
         append(bytes, hits);
         append(bytes, costs);

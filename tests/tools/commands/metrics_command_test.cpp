@@ -7,6 +7,7 @@
 #include <clbvh/metrics/lcv.hpp>
 #include <clbvh/metrics/sah.hpp>
 #include <clbvh/metrics/tree_statistics.hpp>
+#include <clbvh/trace/binary_tracer.hpp>
 #include <clbvh/trace/tracer.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -88,7 +89,7 @@ TEST_CASE("metrics tells of a tree and of its rays what the library says of them
         }
         std::vector<Hit> hits(rays.size());
         std::vector<RayCounts> counts(rays.size());
-        tracer.closest(rays, hits, counts);
+        BinaryTracer(bvh, mesh).closest(rays, hits, counts);
         CHECK(result["ray_count"] == rays.size());
         CHECK(result["lcv"] == leaf_count_variability(counts));
         CHECK(result["steps_per_ray"] == mean_counts(counts).steps());

@@ -1,4 +1,4 @@
-#include "trace/check_tree.hpp"
+#include "layout/check_tree.hpp"
 
 #include <algorithm>
 #include <string>
@@ -7,7 +7,7 @@
 #include "core/tree_walk.hpp"
 #include "core/view_form.hpp"
 
-namespace clbvh::trace {
+namespace clbvh::layout {
 namespace {
 
 [[noreturn]] void reject(const std::string& fault) {
@@ -52,4 +52,4 @@ std::uint32_t check_tree(const Bvh& bvh, const MeshView& mesh) {
     return depth;
 }
 
-}  // namespace clbvh::trace
+}  // namespace clbvh::layout

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "clbvh/core/bvh.hpp"
+#include "clbvh/core/primitives.hpp"
+#include "clbvh/export.h"
+#include "clbvh/layout/layout_array.hpp"
+#include "clbvh/layout/triangle_block.hpp"
+
+namespace clbvh {
+
+/// A child of a WideNode, in 32 bits.
+///
+/// | child | bit 31 | bits 28 .. 30 | bits 0 .. 27 |
+/// |---|---|---|---|
+/// | a node | 0 | its number, from bit 30 on | |
+/// | a leaf | 1 | its blocks, less one | number of its first block |
+/// | none | 1 | 7 | all ones: kNone |
+struct WideChild {
+    static constexpr std::uint32_t kLeafFlag = 1U << 31U;
+    static constexpr std::uint32_t kBlockCountShift = 28;
+    static constexpr std::uint32_t kMaxBlocks = 8;  ///< Of one leaf.
+    static constexpr std::uint32_t kFirstBlockMask = (1U << kBlockCountShift) - 1;
+    static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+    [[nodiscard]] static constexpr std::uint32_t leaf(std::uint32_t first_block, std::uint32_t blocks) noexcept {
+        return kLeafFlag | (blocks - 1) << kBlockCountShift | first_block;
+    }
+    [[nodiscard]] static constexpr bool is_leaf(std::uint32_t child) noexcept { return (child & kLeafFlag) != 0; }
+    [[nodiscard]] static constexpr std::uint32_t first_block(std::uint32_t leaf) noexcept {
+        return leaf & kFirstBlockMask;
+    }
+    [[nodiscard]] static constexpr std::uint32_t block_count(std::uint32_t leaf) noexcept {
+        return (leaf >> kBlockCountShift & (kMaxBlocks - 1)) + 1;
+    }
+};
+
+/// The boxes of up to `Width` children, side by side for vectors, and the children. Where there are fewer, the rest
+/// stand last: with boxes from infinity to minus infinity, which no ray meets, and kNone.
+///
+/// | bytes, of 8 | bytes, of 4 | what |
+/// |---|---|---|
+/// | 0 .. 191 | 0 .. 95 | float32 [lower, upper][axis x y z][child] |
+/// | 192 .. 223 | 96 .. 111 | uint32 [child], see WideChild |
+template <std::uint32_t Width>
+struct alignas(4 * Width) WideNode {
+    std::array<std::array<std::array<float, Width>, 3>, 2> bounds;
+    std::array<std::uint32_t, Width> children;
+};
+static_assert(sizeof(WideNode<8>) == 224 && sizeof(WideNode<4>) == 112);
+
+/// A tree over triangles with up to `Width` children a node, and all that a ray needs: neither the binary tree nor the
+/// mesh has to stay. The root is node 0, and the children of a node that are nodes are numbered one after the other.
+/// Boxes are those of the binary tree's nodes. Leaves with few triangles below one node of the binary tree are joined
+/// to one, of up to four triangles.
+template <std::uint32_t Width>
+struct WideLayout {
+    LayoutArray<WideNode<Width>> nodes;  ///< Empty for an empty tree.
+    LayoutArray<TriangleBlock> blocks;
+    std::uint32_t depth = 0;            ///< Nodes on the longest path.
+    std::uint64_t primitive_count = 0;  ///< Of the mesh: primitives of blocks are below it.
+
+    [[nodiscard]] bool empty() const noexcept { return nodes.empty(); }
+};
+using Wide4 = WideLayout<4>;
+using Wide8 = WideLayout<8>;
+
+/// How a layout is made.
+struct LayoutOptions {
+    std::uint32_t thread_count = 0;  ///< 1 to 1024; 0: all.
+    /// False for a tree that is known to be one over these primitives, as a builder's is: what is wrong with another
+    /// then goes unnoticed, and the behaviour is undefined.
+    bool check = true;
+};
+
+/// Makes the layout of a tree over triangles, with all threads. The same bytes with any number of them.
+/// The node with the largest box is opened again and again until there are `Width` children.
+/// `result` is made anew in the memory that it has.
+/// Throws Error(invalid_input) naming the first offender where the tree is none over the mesh, Error(unsupported) for
+/// more than 2^28 - 1 blocks, Error(out_of_memory). `result` is then empty.
+CLBVH_API void make_layout(const Bvh& bvh, const MeshView& mesh, Wide8& result, const LayoutOptions& options = {});
+CLBVH_API void make_layout(const Bvh& bvh, const MeshView& mesh, Wide4& result, const LayoutOptions& options = {});
+
+/// The same into a new one: make_layout<clbvh::Wide8>(bvh, mesh).
+template <typename Layout>
+[[nodiscard]] Layout make_layout(const Bvh& bvh, const MeshView& mesh, const LayoutOptions& options = {}) {
+    Layout result;
+    make_layout(bvh, mesh, result, options);
+    return result;
+}
+
+}  // namespace clbvh

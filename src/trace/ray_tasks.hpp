@@ -1,0 +1,33 @@
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <cstddef>
+
+#include "clbvh/trace/tracer.hpp"
+#include "core/arena_size.hpp"
+#include "core/check_field.hpp"
+
+namespace clbvh::trace {
+
+/// Of the calls for many rays. Throws Error(invalid_input).
+[[nodiscard]] inline int arena_size_for(const TracerOptions& options) {
+    check_range("thread_count", options.thread_count, 0, 1024);
+    return arena_size(options.thread_count);
+}
+
+/// Calls `action` with every index below `count`, in parallel.
+template <typename Action>
+void for_each_ray(tbb::task_arena& arena, std::size_t count, const Action& action) {
+    constexpr std::size_t kRaysPerTask = 256;
+    arena.execute([&] {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kRaysPerTask), [&](const auto& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i)
+                action(i);
+        });
+    });
+}
+
+}  // namespace clbvh::trace
