@@ -9,7 +9,9 @@
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/export.h"
+#include "clbvh/layout/wide.hpp"
 #include "clbvh/options.hpp"
+#include "clbvh/trace/tracer.hpp"
 
 namespace clbvh {
 
@@ -38,6 +40,15 @@ public:
 
     /// Uploads, runs, downloads, and lets go of the primitives. Fills `stats` where given.
     [[nodiscard]] Bvh build(const Primitives& primitives, BuildStats* stats = nullptr);
+
+    /// Builds a tree over triangles straight to what rays are traced through: the same as make_layout makes of
+    /// build()'s tree, but the tree is neither copied nor checked again, and all memory stays for the next build, that
+    /// of `result` as well. BuildStats gets a stage "wide8" more. Throws what build() and make_layout throw; `result`
+    /// is then empty.
+    void build_layout(const MeshView& mesh, Wide8& result, BuildStats* stats = nullptr);
+    /// The same, to a tracer that owns its layout: the mesh may go.
+    [[nodiscard]] Tracer build_tracer(const MeshView& mesh, const TracerOptions& options = {},
+                                      BuildStats* stats = nullptr);
 
     /// Checks triangles or boxes (throws what check_primitives throws, before any work) and makes them available where
     /// the builder runs. Host builders and builders on CPU devices read the caller's arrays, without a copy: these must
@@ -76,5 +87,13 @@ private:
 /// One call from triangles or boxes of the host to a tree, on the default device.
 [[nodiscard]] CLBVH_API Bvh build(const Primitives& primitives, std::string_view builder_id = "plocpp",
                                   const BuildOptions& options = {}, BuildStats* stats = nullptr);
+
+/// One call from triangles of the host to rays.
+///
+///     const clbvh::Tracer tracer = clbvh::build_tracer(mesh, "balanced");
+///     const clbvh::Hit hit = tracer.closest(ray);
+[[nodiscard]] CLBVH_API Tracer build_tracer(const MeshView& mesh, std::string_view builder_id = "plocpp",
+                                            const BuildOptions& options = {}, const TracerOptions& tracing = {},
+                                            BuildStats* stats = nullptr);
 
 }  // namespace clbvh

@@ -3,6 +3,7 @@
 #include <tbb/task_arena.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -11,6 +12,7 @@
 #include "clbvh/core/primitives.hpp"
 #include "clbvh/device/context.hpp"
 #include "clbvh/options.hpp"
+#include "layout/wide_converter.hpp"
 
 namespace clbvh {
 
@@ -32,6 +34,8 @@ public:
     virtual BuildStats run() = 0;
     /// Lets go of what was uploaded; the tree stays.
     virtual void release_input() = 0;
+    /// Calls `read` with the tree of the last run: where it lies, if the host can read it there.
+    virtual void with_tree(const std::function<void(const layout::TreeView&)>& read) = 0;
     /// A copy of the tree of the last run.
     [[nodiscard]] virtual Bvh download() const = 0;
     /// The tree of the last run on the host, without holes, for the caller to work on: it is then no longer to be

@@ -2,6 +2,8 @@
 
 #include <tbb/task_arena.h>
 
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -96,6 +98,8 @@ struct CLBVH_NO_EXPORT Builder::State {
     void upload(const Primitives& primitives);
     void release_input();
     BuildStats run();
+    void with_tree(const std::function<void(const layout::TreeView&)>& read);
+    void make_layout(const MeshView& mesh, Wide8& result, BuildStats& stats);
 
     [[nodiscard]] bool is_presplit() const noexcept { return needs_splitting(options); }
     [[nodiscard]] bool is_finished_here() const noexcept { return needs_finish(options); }
@@ -109,6 +113,7 @@ struct CLBVH_NO_EXPORT Builder::State {
     std::unique_ptr<Backend> backend;
     PresplitStage presplit{row, options};
     FinishStage finish{options};
+    layout::WideConverter<8> converter;
     std::uint64_t primitive_count = 0;
     std::uint64_t inactive_primitives = 0;
     Mesh owned_mesh;  // what upload() was given to keep
@@ -163,6 +168,24 @@ BuildStats Builder::State::run() {
     return stats;
 }
 
+void Builder::State::with_tree(const std::function<void(const layout::TreeView&)>& read) {
+    if (is_finished_here()) {
+        read(layout::view_of(finish.tree()));
+    } else {
+        backend->with_tree(read);
+    }
+}
+
+void Builder::State::make_layout(const MeshView& mesh, Wide8& result, BuildStats& stats) {
+    const auto begin = std::chrono::steady_clock::now();
+    with_tree([&](const layout::TreeView& tree) { arena.execute([&] { converter.run(tree, mesh, result); }); });
+    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
+    StageStats& stage = stats.stages.emplace_back();
+    stage.name = "wide8";
+    stage.host_ms = time.count();
+    stats.build_ms += time.count();
+}
+
 void Builder::upload(const Primitives& primitives) {
     with_memory_errors("the uploaded primitives", [&] { state_->upload(primitives); });
     state_->owned_mesh = {};
@@ -210,6 +233,23 @@ Bvh Builder::build(const Primitives& primitives, BuildStats* stats) {
     return download();
 }
 
+void Builder::build_layout(const MeshView& mesh, Wide8& result, BuildStats* stats) {
+    State& state = *state_;
+    const auto release = [](State* held) { held->release_input(); };
+    const std::unique_ptr<State, decltype(release)> guard(&state, release);
+    result.clear();
+    upload(mesh);
+    BuildStats cost = run();
+    with_memory_errors("the layout", [&] { state.make_layout(mesh, result, cost); });
+    if (stats != nullptr) *stats = std::move(cost);
+}
+
+Tracer Builder::build_tracer(const MeshView& mesh, const TracerOptions& options, BuildStats* stats) {
+    Wide8 layout;
+    build_layout(mesh, layout, stats);
+    return Tracer(std::move(layout), options);
+}
+
 const BuilderInfo& Builder::info() const noexcept {
     return state_->row.info;
 }
@@ -231,6 +271,11 @@ Shape Builder::shape() const noexcept {
 
 Bvh build(const Primitives& primitives, std::string_view builder_id, const BuildOptions& options, BuildStats* stats) {
     return Builder(builder_id, options).build(primitives, stats);
+}
+
+Tracer build_tracer(const MeshView& mesh, std::string_view builder_id, const BuildOptions& options,
+                    const TracerOptions& tracing, BuildStats* stats) {
+    return Builder(builder_id, options).build_tracer(mesh, tracing, stats);
 }
 
 }  // namespace clbvh

@@ -46,6 +46,15 @@ public:
                                     optimizers_);
     }
 
+    void with_tree(const std::function<void(const layout::TreeView&)>& read) override {
+        if (reads_in_place()) {
+            const MappedTree tree(*this);
+            read({tree.nodes(), tree.primitive_ids(), mesh_.primitive_count});
+        } else {
+            read(layout::view_of(this->tree()));
+        }
+    }
+
     Bvh download() const override {
         Bvh bvh;
         read_tree(bvh);
@@ -61,10 +70,61 @@ public:
     Shape shape() const noexcept override { return settings_.shape; }
 
 private:
+    /// The tree in the device's memory, made readable for the host; on CPU devices that moves nothing.
+    class MappedTree {
+    public:
+        explicit MappedTree(const DeviceBackend& backend) : backend_(backend), count_(backend.mesh_.active_count) {
+            if (count_ == 0) return;
+            with_opencl_errors("reading the tree", [&] {
+                const device::BuildBuffers& buffers = backend.memory_.buffers();
+                nodes_ = map(buffers.nodes, 2 * count_ * sizeof(Node));
+                primitive_ids_ = map(buffers.primitive_ids, count_ * sizeof(std::uint32_t));
+            });
+        }
+        MappedTree(const MappedTree&) = delete;
+        MappedTree& operator=(const MappedTree&) = delete;
+        ~MappedTree() {
+            const device::BuildBuffers& buffers = backend_.memory_.buffers();
+            unmap(buffers.primitive_ids, primitive_ids_);
+            unmap(buffers.nodes, nodes_);
+        }
+
+        [[nodiscard]] std::span<const Node> nodes() const noexcept {
+            return {static_cast<const Node*>(nodes_), 2 * count_};
+        }
+        [[nodiscard]] std::span<const std::uint32_t> primitive_ids() const noexcept {
+            return {static_cast<const std::uint32_t*>(primitive_ids_), count_};
+        }
+
+    private:
+        [[nodiscard]] const cl::CommandQueue& queue() const { return backend_.context_.session().queue(); }
+        [[nodiscard]] void* map(const cl::Buffer& buffer, std::size_t bytes) const {
+            return queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ, 0, bytes);
+        }
+        /// A destructor has nobody to tell of a failure, and nothing is lost by one.
+        void unmap(const cl::Buffer& buffer, void* mapped) const noexcept {
+            if (mapped != nullptr) clEnqueueUnmapMemObject(queue()(), buffer(), mapped, 0, nullptr, nullptr);
+        }
+
+        const DeviceBackend& backend_;
+        std::size_t count_;
+        void* nodes_ = nullptr;
+        void* primitive_ids_ = nullptr;
+    };
+
+    [[nodiscard]] bool reads_in_place() const { return context_.session().info().type == DeviceType::cpu; }
+
     void read_tree(Bvh& bvh) const {
         const std::size_t leaf_count = mesh_.active_count;
         bvh.primitive_count = mesh_.primitive_count;
         bvh.split_references = false;
+        if (reads_in_place()) {
+            // Copied as the vectors grow: to fill them with zeros first takes as long again.
+            const MappedTree tree(*this);
+            bvh.nodes.assign(tree.nodes().begin(), tree.nodes().end());
+            bvh.primitive_ids.assign(tree.primitive_ids().begin(), tree.primitive_ids().end());
+            return;
+        }
         bvh.nodes.resize(2 * leaf_count);
         bvh.primitive_ids.resize(leaf_count);
         if (leaf_count == 0) return;

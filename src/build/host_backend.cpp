@@ -20,6 +20,9 @@ public:
             [&] { return host::run_host_build(input_, algorithm, options_.progress, scratch_, result_); });
     }
 
+    void with_tree(const std::function<void(const layout::TreeView&)>& read) override {
+        read(layout::view_of(result_));
+    }
     Bvh download() const override { return result_; }
     Bvh& tree() override { return result_; }
     bool is_remote() const noexcept override { return false; }

@@ -74,18 +74,16 @@ void write_nodes(const Node* nodes, const Piece<Width>& piece, bool is_top, Wide
 
 template <std::uint32_t Width>
 void WideConverter<Width>::run(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result) {
+    result.clear();
     result.primitive_count = tree.primitive_count;
-    result.depth = 0;
-    result.nodes.resize_for_overwrite(0);
-    result.blocks.resize_for_overwrite(0);
     if (tree.nodes.empty()) return;
     opening_.run(tree.nodes);
     if (opening_.block_count() > WideChild::kFirstBlockMask) {
         throw Error(ErrorCode::unsupported, "the layout would have " + std::to_string(opening_.block_count()) +
                                                 " blocks of triangles, and 2^28 - 1 is the most");
     }
-    result.nodes.resize_for_overwrite(opening_.node_count());
     result.blocks.resize_for_overwrite(opening_.block_count());
+    result.nodes.resize_for_overwrite(opening_.node_count());
     result.depth = opening_.depth();
     with_triangles(mesh, [&](const auto& triangles) {
         tbb::parallel_for(

@@ -14,7 +14,8 @@ namespace clbvh {
 /// Host builders begin with "bounds" and end with "layout", and have of "morton", "sort", "order", "build" and
 /// "cluster" those that they need between. A build that splits triangles begins with "presplit". One with optimisers
 /// has a stage named after the id of each; one that the host finishes (optimisers there, merging of leaves, split
-/// triangles) ends with "collapse", and has "download" first where a device built the tree.
+/// triangles) ends with "collapse", and has "download" first where a device built the tree. Builder::build_layout has
+/// "wide8" last.
 struct StageStats {
     std::string name;        ///< One of those above.
     double device_ms = 0.0;  ///< Sum of the kernels' execution times on the device; 0 where the queue does not profile.

@@ -55,6 +55,7 @@ public:
         size_ = size;
     }
 
+    void clear() noexcept { size_ = 0; }
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
     [[nodiscard]] T* data() noexcept { return reinterpret_cast<T*>(memory_.get()); }

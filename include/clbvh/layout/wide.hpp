@@ -64,6 +64,13 @@ struct WideLayout {
     std::uint64_t primitive_count = 0;  ///< Of the mesh: primitives of blocks are below it.
 
     [[nodiscard]] bool empty() const noexcept { return nodes.empty(); }
+    /// Empties it, and keeps its memory.
+    void clear() noexcept {
+        nodes.clear();
+        blocks.clear();
+        depth = 0;
+        primitive_count = 0;
+    }
 };
 using Wide4 = WideLayout<4>;
 using Wide8 = WideLayout<8>;
