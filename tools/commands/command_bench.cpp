@@ -13,11 +13,13 @@
 #include <vector>
 
 #include "bench/bench_scene.hpp"
+#include "bench/first_ray_scene.hpp"
 #include "commands/command.hpp"
 #include "commands/scene_command.hpp"
 #include "embree/embree_peer.hpp"
 #include "measure/build_result.hpp"
 #include "report/bench_report.hpp"
+#include "report/first_ray_report.hpp"
 #include "report/result_json.hpp"
 #include "report/stage_report.hpp"
 #include "sweep/sweep.hpp"
@@ -33,6 +35,7 @@ struct BenchArguments : SceneCommandArguments {
     bool unvalidated = false;
     bool stages = false;
     bool rays = false;
+    bool first_ray = false;
     std::string sweep;           // empty where none was asked for
     std::uint32_t sweep_to = 0;  // 0 where it was not given
 };
@@ -121,6 +124,43 @@ private:
     std::vector<BuildResult> results_;
 };
 
+/// From the caller's arrays to an answered ray.
+class FirstRayBench final : public SceneCommand {
+public:
+    explicit FirstRayBench(const BenchArguments& arguments)
+        : SceneCommand(arguments, choose_for_bench(arguments)), arguments_(arguments) {
+        settings_.builders = choice().ids;
+        settings_.peers = arguments.peers;
+        settings_.runs = arguments.runs;
+        settings_.options = arguments.build.options;
+        settings_.context = choice().context;
+    }
+
+private:
+    std::string run_scene(const std::string& scene, ProgressBar& bar) override {
+        bar.show(0.0, "loading " + scene);
+        const ViewedScene viewed =
+            load_viewed(scene, arguments_.loading, ViewArguments(), arguments_.build.options.thread_count);
+        const std::vector<FirstRayResult> of_scene = first_ray_scene(settings_, scene, viewed.mesh, viewed.camera, bar);
+        results_.insert(results_.end(), of_scene.begin(), of_scene.end());
+        return of_scene.empty() ? "" : first_ray_report(of_scene);
+    }
+
+    [[nodiscard]] std::string closing() const override {
+        const std::size_t count = arguments_.scenes.size();
+        if (count < 2 || results_.empty()) return {};
+        return fmt::format("geometric means over {} scenes, milliseconds a million triangles\n{}", count,
+                           first_ray_means(results_, results_.size() / count));
+    }
+
+    [[nodiscard]] nlohmann::ordered_json results() const override { return to_json(results_); }
+    [[nodiscard]] int report_faults() const override { return 0; }
+
+    const BenchArguments& arguments_;
+    BenchSettings settings_;
+    std::vector<FirstRayResult> results_;
+};
+
 /// What can be seen before any work.
 void check_arguments(const BenchArguments& arguments) {
     const auto refuse = [](const char* what) { throw Error(ErrorCode::invalid_input, what); };
@@ -128,6 +168,11 @@ void check_arguments(const BenchArguments& arguments) {
     if (sweeps && arguments.peers) refuse("--peers: a sweep is of clbvh's own builders; leave --peers or --sweep out");
     if (sweeps && arguments.stages) refuse("--stages: a sweep's table has no stages (its JSON has); leave one out");
     if (sweeps && arguments.rays) refuse("--rays: a sweep traces no rays; leave --rays or --sweep out");
+    if (arguments.first_ray && (sweeps || arguments.stages || arguments.rays || arguments.unvalidated)) {
+        refuse(
+            "--first-ray: a benchmark of its own, which traces rays and shows stages in its JSON; leave --sweep, "
+            "--stages, --rays and --no-validate out");
+    }
     if (arguments.sweep_to > 0 && arguments.sweep != "size") refuse("--sweep-to is for --sweep size");
     if (arguments.peers) check_embree_peers(arguments.build.options);
     arguments.check();
@@ -138,6 +183,7 @@ void check_arguments(const BenchArguments& arguments) {
 
 int run_bench(const BenchArguments& arguments) {
     check_arguments(arguments);
+    if (arguments.first_ray) return FirstRayBench(arguments).run();
     return Bench(arguments).run();
 }
 
@@ -177,8 +223,16 @@ Command add_bench_command(CLI::App& app) {
         ->type_name("N");
     command->add_flag("--rays", arguments->rays,
                       "Trace diffuse rays through the trees as well, on the host; see clbvh trace");
+    command->add_flag(
+        "--first-ray", arguments->first_ray,
+        "Time the way from the mesh's arrays to an answered ray, and then rays on one thread; the presets "
+        "unless --builders names others; with --peers beside Embree's scenes");
     arguments->add_loading_and_building(*command);
-    return {command, [arguments] { return run_bench(*arguments); }};
+    return {command, [arguments] {
+                if (arguments->first_ray && arguments->builders == SceneCommandArguments().builders)
+                    arguments->builders = "presets";
+                return run_bench(*arguments);
+            }};
 }
 
 }  // namespace clbvh::tool

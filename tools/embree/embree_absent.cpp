@@ -2,6 +2,7 @@
 #include <clbvh/core/error.hpp>
 
 #include "embree/embree_peer.hpp"
+#include "embree/embree_scene.hpp"
 
 namespace clbvh::tool {
 
@@ -12,6 +13,11 @@ void check_embree_peers(const BuildOptions&) {
 }
 
 std::vector<std::unique_ptr<TreeContestant>> make_embree_peers(const BuildOptions& options, const Mesh&) {
+    check_embree_peers(options);
+    return {};
+}
+
+FirstRayEntrants make_embree_scenes(const BuildOptions& options, const Mesh&) {
     check_embree_peers(options);
     return {};
 }

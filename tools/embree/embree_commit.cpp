@@ -10,6 +10,7 @@
 #include "cli/interrupt.hpp"
 #include "cli/stopwatch.hpp"
 #include "embree/embree_device.hpp"
+#include "embree/padded_vertices.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -19,20 +20,11 @@ constexpr std::string_view kId = "embree-commit-low";
 using Geometry = EmbreeHandle<RTCGeometry, rtcReleaseGeometry>;
 using Scene = EmbreeHandle<RTCScene, rtcReleaseScene>;
 
-/// Embree reads vertices 16 bytes at a time: one more keeps it inside.
-std::vector<Vec3> padded(const std::vector<Vec3>& vertices) {
-    std::vector<Vec3> copy;
-    copy.reserve(vertices.size() + 1);
-    copy = vertices;
-    copy.emplace_back();
-    return copy;
-}
-
 class EmbreeCommit final : public TreeContestant {
 public:
     EmbreeCommit(const BuildOptions& options, const Mesh& mesh)
         : mesh_(mesh),
-          vertices_(padded(mesh.vertices)),
+          vertices_(padded_vertices(mesh)),
           inactive_count_(check_mesh(mesh)),
           thread_count_(host_threads(options)),
           arena_(static_cast<int>(thread_count_)),

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <clbvh/core/build_stats.hpp>
+#include <clbvh/core/ray.hpp>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/contestant.hpp"
+#include "measure/sample.hpp"
+
+namespace clbvh::tool {
+
+/// What it takes from a caller's arrays to the answer to a ray, and what the next rays take.
+struct FirstRayResult {
+    std::string scene;
+    std::uint64_t triangles = 0;
+    std::string builder;  ///< Id of a builder, a preset or a peer.
+    bool is_peer = false;
+    double cold_ms = 0.0;            ///< The first time, with all that has to be made once.
+    Sample first_ray_ms;             ///< Milliseconds, of the times behind it.
+    std::vector<StageStats> stages;  ///< Of the last time; a peer has none.
+    std::optional<double> primary_ns, closest_ns,
+        any_ns;                                ///< A ray on one thread: primary, diffuse, diffuse for any hit.
+    std::optional<double> bytes_per_triangle;  ///< Of what is traced; where it is known.
+};
+
+/// Builds what rays are traced through, anew each time, and answers a ray.
+class FirstRayContestant : public Contestant {
+public:
+    explicit FirstRayContestant(std::string_view name) : name_(name) {}
+
+    [[nodiscard]] std::string_view name() const final { return name_; }
+    /// The first run is the cold one.
+    void run(bool counted) final;
+
+    /// On one thread, through what the last run has built.
+    virtual void closest(std::span<const Ray> rays, std::span<Hit> hits) = 0;
+    virtual void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) = 0;
+
+    /// Who it is, and what its runs took.
+    [[nodiscard]] FirstRayResult result() const;
+
+protected:
+    /// From the arrays to the answer.
+    virtual void build_and_trace() = 0;
+    /// Adds what else is known.
+    virtual void describe(FirstRayResult& result) const = 0;
+
+private:
+    std::string name_;
+    std::optional<double> cold_ms_;
+    std::vector<double> times_;
+};
+
+using FirstRayEntrants = std::vector<std::unique_ptr<FirstRayContestant>>;
+
+/// Times rays through what each entrant has built last, the entrants in turn, `runs` times after one that warms up, and
+/// sets the nanoseconds of results[i] from entrants[i].
+void trace_entrants(const FirstRayEntrants& entrants, std::span<const Ray> primary, std::span<const Ray> diffuse,
+                    std::size_t runs, std::span<FirstRayResult> results);
+
+}  // namespace clbvh::tool
