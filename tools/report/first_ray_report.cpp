@@ -29,7 +29,7 @@ double ms_per_million(const FirstRayResult& result) {
 }
 
 /// The columns that scenes and means have.
-std::vector<Column<FirstRayResult>> columns() {
+std::vector<Column<FirstRayResult>> first_ray_columns() {
     return {
         {"builder", [](const FirstRayResult& r) { return r.builder; }},
         {"first ray ms", [](const FirstRayResult& r) { return fixed_text(r.first_ray_ms.median, 2); }},
@@ -55,7 +55,7 @@ double mean_of(std::span<const FirstRayResult> results, std::size_t entrant, std
 
 std::string first_ray_report(std::span<const FirstRayResult> results) {
     return fmt::format("{}: {} triangles\n{}", results.front().scene, results.front().triangles,
-                       table_text(columns(), results));
+                       table_text(first_ray_columns(), results));
 }
 
 std::string first_ray_means(std::span<const FirstRayResult> results, std::size_t entrant_count) {
@@ -71,7 +71,7 @@ std::string first_ray_means(std::span<const FirstRayResult> results, std::size_t
         row.any_ns = mean([](const FirstRayResult& r) { return or_nan(r.any_ns); });
         row.bytes_per_triangle = mean([](const FirstRayResult& r) { return or_nan(r.bytes_per_triangle); });
     }
-    return table_text(columns(), std::span<const FirstRayResult>(means));
+    return table_text(first_ray_columns(), std::span<const FirstRayResult>(means));
 }
 
 ordered_json to_json(std::span<const FirstRayResult> results) {
