@@ -63,15 +63,21 @@ void FinishStage::run(Backend& backend, const Input& input, double begin, BuildS
     if (backend.is_remote()) stages.begin("download", begin, middle);
     Bvh& tree = backend.tree();
     if (optimizes_on_host(options_)) optimize(tree, stages, middle);
-    stages.begin("collapse", kCollapseBegins, 1.0);
-    if (input.is_presplit) {
-        name_sources(tree, input.sources);
-        tree.split_references = true;
-        tree.primitive_count = input.primitive_count;
+    if (input.is_presplit || options_.max_leaf_size > 0) {
+        stages.begin("collapse", kCollapseBegins, 1.0);
+        if (input.is_presplit) {
+            name_sources(tree, input.sources);
+            tree.split_references = true;
+            tree.primitive_count = input.primitive_count;
+        }
+        // Without a size, only leaves that came from one primitive are merged again.
+        const CollapseConfig config{std::max(options_.max_leaf_size, 1u), options_.inner_cost,
+                                    options_.primitive_cost};
+        host::collapse(tree, config, scratch_, result_);
+    } else {
+        scratch_.reset();
+        std::swap(result_, tree);  // the backend writes the next one into the memory of the last
     }
-    // Without a size, only leaves that came from one primitive are merged again.
-    const CollapseConfig config{std::max(options_.max_leaf_size, 1u), options_.inner_cost, options_.primitive_cost};
-    host::collapse(tree, config, scratch_, result_);
     const BuildStats cost = stages.finish();
     stats.stages.insert(stats.stages.end(), cost.stages.begin(), cost.stages.end());
     stats.build_ms += cost.build_ms;

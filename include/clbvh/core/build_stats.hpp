@@ -13,8 +13,8 @@ namespace clbvh {
 /// Device builders have the stages "bounds", "morton", "sort", "cluster" and "root", BatchBuilder has "batch" alone.
 /// Host builders begin with "bounds" and end with "layout", and have of "morton", "sort", "order", "build" and
 /// "cluster" those that they need between. A build that splits triangles begins with "presplit". One with optimisers
-/// has a stage named after the id of each; one that the host finishes (optimisers there, merging of leaves, split
-/// triangles) ends with "collapse", and has "download" first where a device built the tree. Builder::build_layout has
+/// has a stage named after the id of each; one whose leaves the host merges, or whose triangles were split, ends with
+/// "collapse"; whatever the host works on has "download" first where a device built the tree. Builder::build_layout has
 /// "wide8" last.
 struct StageStats {
     std::string name;        ///< One of those above.
