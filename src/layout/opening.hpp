@@ -302,7 +302,6 @@ public:
     }
 
     [[nodiscard]] std::span<const Piece<Width>> pieces() const noexcept { return {pieces_.data(), count_}; }
-    [[nodiscard]] std::span<Piece<Width>> pieces() noexcept { return {pieces_.data(), count_}; }
     [[nodiscard]] std::uint64_t node_count() const noexcept { return node_count_; }
     [[nodiscard]] std::uint64_t block_count() const noexcept { return block_count_; }
     [[nodiscard]] std::uint32_t depth() const noexcept { return depth_; }
@@ -341,7 +340,7 @@ private:
         node_count_ = top_count;
         block_count_ = 0;
         depth_ = 0;
-        for (Piece<Width>& piece : pieces()) {
+        for (Piece<Width>& piece : std::span(pieces_).first(count_)) {
             const bool is_top = &piece == pieces_.data();
             piece.first_node = is_top ? 0 : static_cast<std::uint32_t>(node_count_);
             piece.first_block = static_cast<std::uint32_t>(block_count_);

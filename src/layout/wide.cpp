@@ -89,7 +89,7 @@ void WideConverter<Width>::run(const TreeView& tree, const MeshView& mesh, WideL
         tbb::parallel_for(
             std::size_t{0}, opening_.pieces().size(),
             [&](std::size_t i) {
-                Piece<Width>& piece = opening_.pieces()[i];
+                const Piece<Width>& piece = opening_.pieces()[i];
                 write_nodes(tree.nodes.data(), piece, i == 0, result.nodes.data());
                 write_blocks(piece.blocks, tree.primitive_ids.data(), triangles,
                              result.blocks.data() + piece.first_block);

@@ -99,4 +99,15 @@ template <typename Layout>
     return result;
 }
 
+/// Gives a layout the vertices of a mesh that has moved, and the boxes that these ask for, in place and with all
+/// threads; its structure stays. O(n) time. No ray may be traced through it meanwhile.
+///
+/// `mesh` has as many triangles as the one that the layout was made over. Leaves get the boxes of whole triangles, also
+/// where references were split. A triangle with a NaN is left out of the boxes, and never hit. Boxes only get worse
+/// from frame to frame: see docs/layouts.md for when to build anew.
+/// Throws what check_mesh throws (unless `options` trust the mesh), and Error(invalid_input) for a mesh with another
+/// number of triangles; the layout is then as it was.
+CLBVH_API void refit(Wide8& layout, const MeshView& mesh, const LayoutOptions& options = {});
+CLBVH_API void refit(Wide4& layout, const MeshView& mesh, const LayoutOptions& options = {});
+
 }  // namespace clbvh
