@@ -136,7 +136,8 @@ static inline uint leaves_of_tree(Input input, uint form, uint count, BatchPart 
         if (LOCAL_ID == 0) {                                                                                           \
             active_counts[tree] = leaf_count;                                                                          \
             if (count > 0) {                                                                                           \
-                write_root_pair((global Node*)part.nodes, part.references[0], leaf_count, part.leaves);                \
+                const Box only_box = leaf_count == 1 ? load_box(part.leaves) : empty_box();                            \
+                write_root_pair((global Node*)part.nodes, part.references[0], leaf_count, leaf_count, only_box);       \
             }                                                                                                          \
         }                                                                                                              \
     }

@@ -12,6 +12,8 @@ enum {
     // one of 96 levels, the array's ends one more; between the lists of a piece they rise, then fall.
     PLACES = 32,
     HPLOC_CLUSTER_FLOATS = 8,
+    LEAST_PIECE_LENGTH = 1024,
+    PACKED_LEAF_BITS = 28,  // of a leaf's number, in the lane shape, where leaves may have several primitives
     MOST_LISTS = 2 * 97,
     // LBVH: clusters that a piece leaves. Between them no border is deeper than both its neighbours (it would have been
     // merged), so their levels rise, then fall: at most two runs of 64 + 32 different levels.

@@ -3,6 +3,7 @@
 #include "aabb.clh"
 #include "bits.clh"
 #include "node.clh"
+#include "scan.clh"
 #include "morton_split.clh"
 #include "cluster_constants.h"
 #include "no_cluster.clh"
@@ -19,6 +20,9 @@
 #ifndef MERGE_PAIRS
 #define MERGE_PAIRS 1
 #endif
+#ifndef LEAF_SIZE
+#define LEAF_SIZE 1
+#endif
 // 0: every cluster of a node is measured against every other.
 #ifndef SEARCH_RADIUS
 #define SEARCH_RADIUS 0
@@ -31,4 +35,7 @@
 #include "hploc_lane.clh"
 #else
 #include "hploc_group.clh"
+#endif
+#if LEAF_SIZE > 1
+#include "hploc_leaves.clh"
 #endif

@@ -73,12 +73,14 @@ private:
     /// The tree in the device's memory, made readable for the host; on CPU devices that moves nothing.
     class MappedTree {
     public:
-        explicit MappedTree(const DeviceBackend& backend) : backend_(backend), count_(backend.mesh_.active_count) {
-            if (count_ == 0) return;
+        explicit MappedTree(const DeviceBackend& backend) : backend_(backend) {
+            if (backend.mesh_.active_count == 0) return;
             with_opencl_errors("reading the tree", [&] {
                 const device::BuildBuffers& buffers = backend.memory_.buffers();
-                nodes_ = map(buffers.nodes, 2 * count_ * sizeof(Node));
-                primitive_ids_ = map(buffers.primitive_ids, count_ * sizeof(std::uint32_t));
+                node_count_ = 2 * std::size_t{backend.leaf_count()};
+                id_count_ = backend.mesh_.active_count;
+                nodes_ = map(buffers.nodes, node_count_ * sizeof(Node));
+                primitive_ids_ = map(buffers.primitive_ids, id_count_ * sizeof(std::uint32_t));
             });
         }
         MappedTree(const MappedTree&) = delete;
@@ -90,10 +92,10 @@ private:
         }
 
         [[nodiscard]] std::span<const Node> nodes() const noexcept {
-            return {static_cast<const Node*>(nodes_), 2 * count_};
+            return {static_cast<const Node*>(nodes_), node_count_};
         }
         [[nodiscard]] std::span<const std::uint32_t> primitive_ids() const noexcept {
-            return {static_cast<const std::uint32_t*>(primitive_ids_), count_};
+            return {static_cast<const std::uint32_t*>(primitive_ids_), id_count_};
         }
 
     private:
@@ -107,7 +109,8 @@ private:
         }
 
         const DeviceBackend& backend_;
-        std::size_t count_;
+        std::size_t node_count_ = 0;
+        std::size_t id_count_ = 0;
         void* nodes_ = nullptr;
         void* primitive_ids_ = nullptr;
     };
@@ -115,7 +118,6 @@ private:
     [[nodiscard]] bool reads_in_place() const { return context_.session().info().type == DeviceType::cpu; }
 
     void read_tree(Bvh& bvh) const {
-        const std::size_t leaf_count = mesh_.active_count;
         bvh.primitive_count = mesh_.primitive_count;
         bvh.split_references = false;
         if (reads_in_place()) {
@@ -125,16 +127,29 @@ private:
             bvh.primitive_ids.assign(tree.primitive_ids().begin(), tree.primitive_ids().end());
             return;
         }
-        bvh.nodes.resize(2 * leaf_count);
-        bvh.primitive_ids.resize(leaf_count);
-        if (leaf_count == 0) return;
+        bvh.primitive_ids.resize(mesh_.active_count);
+        if (mesh_.active_count == 0) {
+            bvh.nodes.clear();
+            return;
+        }
         with_opencl_errors("downloading the tree", [&] {
-            const cl::CommandQueue& queue = context_.session().queue();
-            queue.enqueueReadBuffer(memory_.buffers().nodes, CL_TRUE, 0, bvh.nodes.size() * sizeof(Node),
-                                    bvh.nodes.data());
-            queue.enqueueReadBuffer(memory_.buffers().primitive_ids, CL_TRUE, 0, leaf_count * sizeof(std::uint32_t),
-                                    bvh.primitive_ids.data());
+            bvh.nodes.resize(2 * std::size_t{leaf_count()});
+            read(memory_.buffers().nodes, bvh.nodes);
+            read(memory_.buffers().primitive_ids, bvh.primitive_ids);
         });
+    }
+
+    /// Of the tree on the device.
+    [[nodiscard]] std::uint32_t leaf_count() const {
+        if (!settings_.groups_primitives()) return mesh_.active_count;
+        std::vector<std::uint32_t> count(1);
+        read(memory_.buffers().leaf_count, count);
+        return count[0];
+    }
+
+    template <typename T>
+    void read(const cl::Buffer& buffer, std::vector<T>& values) const {
+        context_.session().queue().enqueueReadBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(T), values.data());
     }
 
     const device::DeviceAlgorithm& algorithm_;

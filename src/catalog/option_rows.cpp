@@ -206,7 +206,7 @@ const OptionRow kRows[] = {
      .group = kHploc,
      .value = WholeValue{kMember<&BuildOptions::hploc, &HplocConfig::small_range>, {.least = 1, .most = 1u << 30}},
      .readers = "hploc",
-     .help = "Nodes of up to so many primitives keep --small-limit clusters instead; 1: none"},
+     .help = "Nodes of up to so many leaves keep --small-limit clusters instead; 1: none"},
     {.name = "hploc.small_limit",
      .flag = "--small-limit",
      .group = kHploc,
@@ -218,7 +218,13 @@ const OptionRow kRows[] = {
      .group = kHploc,
      .value = SwitchValue{kMember<&BuildOptions::hploc, &HplocConfig::merge_pairs>},
      .readers = "hploc",
-     .help = "Whether two primitives that share a node merge at once"},
+     .help = "Whether two leaves that share a node merge at once"},
+    {.name = "hploc.leaf_size",
+     .flag = "--leaf-size",
+     .group = kHploc,
+     .value = WholeValue{kMember<&BuildOptions::hploc, &HplocConfig::leaf_size>, {.least = 1, .most = 8}},
+     .readers = "hploc",
+     .help = "The largest nodes of the Morton tree with at most so many primitives are the leaves that are clustered"},
 };
 
 }  // namespace

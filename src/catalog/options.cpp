@@ -94,6 +94,11 @@ void check_options(const BuildOptions& options) {
         check_value(row.value, row.name, options);
     check_left_alone("binned_sah", options.binned_sah);
     check_left_alone("sbvh", options.sbvh);
+    if (options.max_leaf_size > 0 && options.hploc.leaf_size > options.max_leaf_size) {
+        throw Error(ErrorCode::invalid_input, "hploc.leaf_size " + std::to_string(options.hploc.leaf_size) +
+                                                  " makes leaves that are larger than max_leaf_size " +
+                                                  std::to_string(options.max_leaf_size));
+    }
     if (options.presplit_level > 0 && options.split_quota > 0.0f) {
         throw Error(ErrorCode::invalid_input,
                     "presplit_level and split_quota are two ways to split triangles: give one");

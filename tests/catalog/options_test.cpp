@@ -77,6 +77,7 @@ const std::map<std::string, Limits, std::less<>>& limits() {
         {"hploc.small_range", {{"1", "2", "1073741824"}, {"0", "1073741825"}, "1 to 1073741824"}},
         {"hploc.small_limit", {{"1", "8"}, {"0", "9"}, "1 to 8"}},
         {"hploc.merge_pairs", {{"on", "off"}, {"auto", ""}, "on or off"}},
+        {"hploc.leaf_size", {{"1", "2", "8"}, {"0", "9"}, "1 to 8"}},
     };
     return table;
 }
@@ -231,7 +232,8 @@ TEST_CASE("options: builders and presets read those of their own Config and of a
           "ploc.search_radius ploc.neighbour_encoding ploc.neighbour_search ploc.chunk_size ploc.work_group_size "
           "ploc.range_count ");
     CHECK(own_names("hploc") ==
-          "hploc.search_radius hploc.cluster_limit hploc.small_range hploc.small_limit hploc.merge_pairs ");
+          "hploc.search_radius hploc.cluster_limit hploc.small_range hploc.small_limit hploc.merge_pairs "
+          "hploc.leaf_size ");
     CHECK(own_names("binned-sah") == "binned_sah.bin_count binned_sah.longest_axis_only ");
     CHECK(own_names("sbvh") == "sbvh.bin_count sbvh.spatial_bin_count sbvh.alpha sbvh.reference_budget ");
     for (const std::string_view id : {"lbvh", "sweep-sah", "aac-hq", "aac-fast", "locally-ordered", "median"})
@@ -296,6 +298,16 @@ TEST_CASE("options: costs and leaf sizes of Configs have no say in a build, and 
     expect_message("sbvh.primitive_cost is set", [](BuildOptions& o) { o.sbvh.primitive_cost = 2.0f; });
     expect_message("sbvh.max_leaf_size is set, but builds take BuildOptions::max_leaf_size",
                    [](BuildOptions& o) { o.sbvh.max_leaf_size = 4; });
+}
+
+TEST_CASE("options: leaves that are made before clustering are no larger than the largest") {
+    BuildOptions options;
+    options.hploc.leaf_size = 4;
+    check_options(options);
+    options.max_leaf_size = 4;
+    check_options(options);
+    options.max_leaf_size = 3;
+    expect_error(ErrorCode::invalid_input, {"hploc.leaf_size 4", "max_leaf_size 3"}, [&] { check_options(options); });
 }
 
 TEST_CASE("options: two ways to split triangles contradict each other") {

@@ -137,10 +137,12 @@ void DeviceBuilder::State::launch(device::Launcher& launcher, const CheckedBuild
     const device::BuildBuffers buffers = device::cut_views(
         device::cut_scratch(build.nodes, build.primitive_ids, build.scratch.behind(count_bytes()), planned), planned);
     device::enqueue_pipeline(launcher, *row.device_algorithm, settings, build.mesh, buffers);
-    const auto copy_count = [&](const Block& to) { launcher.copy_uint(buffers.leaf_count, 0, to.buffer, to.offset); };
-    if (build.active_count.is_there()) copy_count(build.active_count);
+    const auto copy_count = [&](const cl::Buffer& from, const Block& to) {
+        launcher.copy_uint(from, 0, to.buffer, to.offset);
+    };
+    if (build.active_count.is_there()) copy_count(buffers.primitive_count, build.active_count);
     if (optimizers.empty()) return;
-    copy_count(build.scratch);
+    copy_count(buffers.leaf_count, build.scratch);
     launch_optimizers(launcher, build);
 }
 

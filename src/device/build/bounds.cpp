@@ -43,7 +43,7 @@ void launch_bounds(Launcher& launcher, const DeviceFit& fit, const BuildBuffers&
                     buffers.partial_bounds, buffers.partial_counts);
     launcher.count_bytes(input_bytes(mesh) + sizeof(Aabb) * std::uint64_t{mesh.primitive_count});
     launcher.launch(reduce, 1, buffers.partial_bounds, buffers.partial_counts, pieces.count, buffers.bounds,
-                    buffers.leaf_count);
+                    buffers.primitive_count);
 }
 
 }  // namespace clbvh::device

@@ -39,7 +39,7 @@ void cut_bounds_of_scene(BuildBuffers& b, ArrayLayout& layout) {
     b.bounds = layout.take_view(kBoundsBytes);
     b.partial_bounds = layout.take_view(kBoundsBytes * kMostPieces);
     b.partial_counts = layout.take_view(kWordBytes * kMostPieces);
-    b.leaf_count = layout.take_view(kWordBytes);
+    b.primitive_count = layout.take_view(kWordBytes);
 }
 
 void cut_small(BuildBuffers& b, ArrayLayout& layout, const MemoryPlan& plan) {
@@ -48,6 +48,7 @@ void cut_small(BuildBuffers& b, ArrayLayout& layout, const MemoryPlan& plan) {
     b.morton_tables = layout.take_view(kTableBytes);
     b.morton_parameters = layout.take_view(kParameterBytes);
     b.root_reference = layout.take_view(kWordBytes);
+    b.leaf_count = plan.groups_primitives ? layout.take_view(kWordBytes) : b.primitive_count;
     b.cluster_counts = layout.take_view(kWordBytes * BuildBuffers::kCountsKept);
 }
 
@@ -78,6 +79,7 @@ MemoryPlan plan_memory(const BuildSettings& settings, BoxOrder box_order, std::u
     plan.box_order = box_order;
     plan.primitives = n;
     plan.packed_keys = settings.packed_keys();
+    plan.groups_primitives = settings.groups_primitives();
     plan.sort_counts = std::uint64_t{settings.most_sort_pieces} << settings.sort_digit_bits();
     plan.nodes = kNodeBytes * n;
     plan.primitive_ids = kIdBytes * n;

@@ -32,6 +32,7 @@ struct MemoryPlan {
     BoxOrder box_order = BoxOrder::morton;
     std::uint64_t primitives = 0;
     bool packed_keys = true;
+    bool groups_primitives = false;                                             ///< leaves may have several primitives
     std::uint64_t sort_counts = 0;                                              ///< digits times pieces of the sort
     std::uint64_t nodes = 0, primitive_ids = 0;                                 ///< the result
     std::uint64_t leaves = 0, inner = 0, references = 0, small = 0, extra = 0;  ///< scratch
@@ -79,16 +80,17 @@ struct BuildBuffers {
     cl::Buffer counts;                      ///< uint [digits * pieces of the sort, at least kMostPieces]
     cl::Buffer morton_tables;               ///< ulong [MORTON_TABLE_ULONGS]
     cl::Buffer morton_parameters;           ///< float [MORTON_PARAMETERS]
-    cl::Buffer leaf_count;                  ///< uint: active primitives
-    cl::Buffer root_reference;              ///< uint
-    cl::Buffer cluster_counts;              ///< uint [kCountsKept], see kernels/cluster/iteration.clh
-    Block extra;                            ///< what DeviceAlgorithm::extra_bytes asked for
+    cl::Buffer primitive_count;             ///< uint: active primitives
+    cl::Buffer leaf_count;      ///< uint: leaves of the tree; primitive_count itself unless they are grouped
+    cl::Buffer root_reference;  ///< uint
+    cl::Buffer cluster_counts;  ///< uint [kCountsKept], see kernels/cluster/iteration.clh
+    Block extra;                ///< what DeviceAlgorithm::extra_bytes asked for
 
     static constexpr std::uint32_t kCountsKept = kernels::COUNTS_KEPT;
 };
 
 /// The buffers of the boxes of `primitives`, of the bounds of all and of what finding these takes: boxes, bounds,
-/// partial_bounds, partial_counts and leaf_count.
+/// partial_bounds, partial_counts and primitive_count.
 [[nodiscard]] BuildBuffers cut_bounds(ArrayLayout& layout, std::uint64_t primitives);
 
 /// Cuts the blocks, each as large as `plan` says or larger, into the views of a build.

@@ -109,7 +109,8 @@ std::string BuildSettings::hploc_defines() const {
            " -D SMALL_RANGE=" + std::to_string(hploc.small_range) +
            " -D SMALL_LIMIT=" + std::to_string(hploc.small_limit) +
            " -D MERGE_PAIRS=" + (hploc.merge_pairs ? "1" : "0") +
-           " -D SEARCH_RADIUS=" + std::to_string(hploc.search_radius);
+           " -D SEARCH_RADIUS=" + std::to_string(hploc.search_radius) +
+           " -D LEAF_SIZE=" + std::to_string(hploc.leaf_size);
 }
 
 Pieces BuildSettings::sort_pieces(std::uint32_t elements) const {

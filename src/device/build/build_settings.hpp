@@ -54,6 +54,8 @@ struct BuildSettings : DeviceFit {
     /// True where code and index are sorted as one 64-bit key, false for pairs of 32-bit keys with a value.
     [[nodiscard]] bool packed_keys() const noexcept { return code_bits < 63; }
     [[nodiscard]] KeyLayout key_layout(std::uint32_t primitives) const;
+    /// True where leaves may have several primitives.
+    [[nodiscard]] bool groups_primitives() const noexcept { return hploc.leaf_size > 1; }
     /// Clusters a chunk where `border` more are loaded to each side.
     [[nodiscard]] std::uint32_t chunk_size(std::uint32_t border) const noexcept {
         return lane() ? lane_chunk_size : static_cast<std::uint32_t>(cluster_group_size) - 2 * border;

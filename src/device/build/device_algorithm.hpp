@@ -5,17 +5,17 @@
 
 namespace clbvh::device {
 
-/// Input and output of a clustering: buffers.leaf_count says how many leaves there are, buffers.primitive_ids and
-/// buffers.codes name them in Morton order, and their boxes are in buffers.leaves (in that order) or buffers.boxes (by
-/// primitive), as DeviceAlgorithm::box_order asks. Afterwards buffers.nodes holds every sibling pair, and
-/// buffers.root_reference the root.
+/// Input and output of a clustering: buffers.primitive_count says how many primitives there are, buffers.primitive_ids
+/// and buffers.codes name them in Morton order, and their boxes are in buffers.leaves (in that order) or buffers.boxes
+/// (by primitive), as DeviceAlgorithm::box_order asks. Afterwards buffers.nodes holds every sibling pair,
+/// buffers.root_reference the root, and buffers.leaf_count the number of leaves.
 struct ClusterJob {
     Launcher& launcher;
     const BuildSettings& settings;
     const BuildBuffers& buffers;
-    std::uint32_t leaf_count;  ///< what buffers.leaf_count holds, at least 1; launches are sized by it
+    std::uint32_t leaf_count;  ///< what buffers.primitive_count holds, at least 1; launches are sized by it
     /// The host must not wait for the device where that can be helped, and leaf_count is an upper bound: what
-    /// buffers.leaf_count holds may be less, and 0.
+    /// buffers.primitive_count holds may be less, and 0.
     bool asynchronous = false;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "clbvh/core/error.hpp"
 #include "device/build/device_algorithm.hpp"
 
 namespace clbvh::device {
@@ -11,7 +12,8 @@ namespace {
 constexpr std::uint32_t kPlaces = kernels::PLACES;
 constexpr std::uint64_t kClusterBytes = sizeof(float) * kernels::HPLOC_CLUSTER_FLOATS;
 constexpr std::uint32_t kMostLists = kernels::MOST_LISTS;
-constexpr std::uint32_t kLeastPieceLength = 1024;
+constexpr std::uint32_t kMostPackedLeaves = 1u << kernels::PACKED_LEAF_BITS;
+constexpr std::uint32_t kLeastPieceLength = kernels::LEAST_PIECE_LENGTH;
 // Pieces differ in work, and few are left incomplete where they end: more than fill the device even that out.
 constexpr std::uint32_t kPiecesPerGroup = 4;
 
@@ -23,10 +25,27 @@ Pieces pieces_of(const BuildSettings& settings, std::uint32_t leaf_count) {
     return cut_into_pieces(leaf_count, most_pieces(settings), kLeastPieceLength);
 }
 
+/// Leaves of several primitives, and what finding them takes; empty where each has one.
+struct LeafViews {
+    LeafViews(const BuildSettings& settings, std::uint32_t primitives, ArrayLayout& layout) {
+        if (!settings.groups_primitives()) return;
+        constexpr std::uint32_t word_bits = 64;
+        pieces = cut_into_pieces(primitives, std::min(settings.groups_to_fill, kMostPieces), word_bits);
+        codes = layout.take_view(sizeof(cl_ulong) * std::uint64_t{primitives});
+        begins = layout.take_view(sizeof(cl_uint) * (std::uint64_t{primitives} + 1));
+        bits = layout.take_view(sizeof(cl_ulong) * (std::uint64_t{primitives} / word_bits + 1));
+        counts = layout.take_view(sizeof(cl_uint) * std::uint64_t{pieces.count});
+    }
+
+    Pieces pieces{};
+    cl::Buffer codes, begins, bits, counts;
+};
+
 /// Stacks of clusters that the lane shape's work items leave for the last one, and where their lists begin. Grow with
 /// the leaves.
 struct LaneViews {
-    LaneViews(const BuildSettings& settings, std::uint32_t leaf_count, ArrayLayout layout) {
+    LaneViews(const BuildSettings& settings, std::uint32_t leaf_count, ArrayLayout layout)
+        : leaves(settings, leaf_count, layout) {
         const std::uint64_t pieces = std::min<std::uint64_t>(leaf_count / kLeastPieceLength + 1, most_pieces(settings));
         const std::uint32_t most_clusters = (kMostLists + 1) * settings.hploc.cluster_limit;
         const std::uint32_t longest_piece = pieces_of(settings, leaf_count).length * 3 / 2;
@@ -37,6 +56,7 @@ struct LaneViews {
         bytes = layout.bytes();
     }
 
+    LeafViews leaves;
     cl::Buffer stacks;  ///< of all pieces, and of the last work item behind them
     cl::Buffer pending;
     std::uint32_t stack_stride;  ///< clusters a stack
@@ -44,18 +64,25 @@ struct LaneViews {
 };
 
 struct GroupViews {
-    GroupViews(std::uint64_t leaf_count, ArrayLayout layout)
-        : reached(layout.take_view(sizeof(std::uint32_t) * leaf_count)),
+    GroupViews(const BuildSettings& settings, std::uint32_t leaf_count, ArrayLayout layout)
+        : leaves(settings, leaf_count, layout),
+          reached(layout.take_view(sizeof(std::uint32_t) * std::uint64_t{leaf_count})),
           inner(layout.take_view(kClusterBytes * leaf_count)),
           bytes(layout.bytes()) {}
 
+    LeafViews leaves;
     cl::Buffer reached, inner;
     std::uint64_t bytes;
 };
 
 std::uint64_t extra_bytes(const BuildSettings& settings, std::uint32_t primitives) {
+    if (settings.lane() && settings.groups_primitives() && primitives > kMostPackedLeaves) {
+        throw Error(ErrorCode::unsupported, std::to_string(primitives) + " primitives are more than the " +
+                                                std::to_string(kMostPackedLeaves) +
+                                                " that hploc takes in the lane shape with a leaf_size above 1");
+    }
     return settings.lane() ? LaneViews(settings, primitives, ArrayLayout()).bytes
-                           : GroupViews(primitives, ArrayLayout()).bytes;
+                           : GroupViews(settings, primitives, ArrayLayout()).bytes;
 }
 
 ProgramSpec program(const BuildSettings& settings) {
@@ -63,31 +90,47 @@ ProgramSpec program(const BuildSettings& settings) {
             settings.hploc_defines() + (settings.packed_keys() ? "" : " -D EQUAL_CODES=1")};
 }
 
-void cluster_in_lanes(const ClusterJob& job) {
+Kernel& kernel_of(const ClusterJob& job, std::string_view name) {
+    return job.launcher.session().kernel(program(job.settings), name);
+}
+
+/// The leaves' codes, and where each leaf's primitives begin.
+struct SortedLeaves {
+    const cl::Buffer& codes;
+    const cl::Buffer& begins;
+};
+
+SortedLeaves find_leaves(const ClusterJob& job, const LeafViews& views) {
+    const BuildBuffers& b = job.buffers;
+    if (!job.settings.groups_primitives()) return {b.codes, b.primitive_ids};  // begins that nobody reads
     Launcher& launcher = job.launcher;
+    launcher.launch(kernel_of(job, "count_leaves"), views.pieces.count, b.codes, b.primitive_count, views.pieces.length,
+                    views.bits, views.counts);
+    launcher.launch(kernel_of(job, "write_leaves"), views.pieces.count, b.codes, b.primitive_count, views.pieces.length,
+                    views.bits, views.counts, views.begins, views.codes, b.leaf_count);
+    launcher.count_bytes((8 + 8) * std::uint64_t{job.leaf_count});
+    return {views.codes, views.begins};
+}
+
+void cluster_in_lanes(const ClusterJob& job) {
     const BuildBuffers& b = job.buffers;
     const Pieces pieces = pieces_of(job.settings, job.leaf_count);
     const LaneViews extra(job.settings, job.leaf_count, ArrayLayout(b.extra));
-    const auto kernel = [&](std::string_view name) -> Kernel& {
-        return launcher.session().kernel(program(job.settings), name);
-    };
-    launcher.launch(kernel("build_pieces"), pieces.count, b.codes, b.primitive_ids, b.boxes, b.leaf_count,
-                    pieces.length, b.nodes, extra.stacks, extra.stack_stride, extra.pending);
-    launcher.launch(kernel("join_pieces"), 1, b.codes, b.leaf_count, pieces.count, pieces.length, b.nodes, extra.stacks,
-                    extra.stack_stride, extra.pending, b.root_reference);
+    const SortedLeaves leaves = find_leaves(job, extra.leaves);
+    job.launcher.launch(kernel_of(job, "build_pieces"), pieces.count, leaves.codes, b.primitive_ids, leaves.begins,
+                        b.boxes, b.leaf_count, pieces.length, b.nodes, extra.stacks, extra.stack_stride, extra.pending);
+    job.launcher.launch(kernel_of(job, "join_pieces"), 1, leaves.codes, b.leaf_count, pieces.count, pieces.length,
+                        b.nodes, extra.stacks, extra.stack_stride, extra.pending, b.root_reference);
 }
 
 void cluster_in_groups(const ClusterJob& job) {
-    Launcher& launcher = job.launcher;
     const BuildBuffers& b = job.buffers;
-    const GroupViews extra(job.leaf_count, ArrayLayout(b.extra));
+    const GroupViews extra(job.settings, job.leaf_count, ArrayLayout(b.extra));
     const std::size_t groups = (job.leaf_count + kPlaces - 1) / kPlaces;
-    const auto kernel = [&](std::string_view name) -> Kernel& {
-        return launcher.session().kernel(program(job.settings), name);
-    };
-    launcher.launch(kernel("clear_clusters"), groups, b.leaf_count, extra.reached, extra.inner);
-    launcher.launch(kernel("climb_clusters"), groups, b.codes, b.primitive_ids, b.boxes, b.leaf_count, extra.reached,
-                    extra.inner, b.nodes, b.root_reference);
+    const SortedLeaves leaves = find_leaves(job, extra.leaves);
+    job.launcher.launch(kernel_of(job, "clear_clusters"), groups, b.leaf_count, extra.reached, extra.inner);
+    job.launcher.launch(kernel_of(job, "climb_clusters"), groups, leaves.codes, b.primitive_ids, leaves.begins, b.boxes,
+                        b.leaf_count, extra.reached, extra.inner, b.nodes, b.root_reference);
 }
 
 void cluster(const ClusterJob& job) {

@@ -69,6 +69,7 @@ MemoryPlan plan_pipeline(const DeviceAlgorithm& algorithm, const BuildSettings& 
 void enqueue_pipeline(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
                       const DeviceMesh& mesh, const BuildBuffers& buffers) {
     launch_stages(launcher, algorithm, settings, mesh, buffers, true);
+    if (settings.groups_primitives()) launch_clear_unused(launcher, settings, buffers);
 }
 
 BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings,

@@ -2,10 +2,12 @@
 // waited for.
 #include "clbvh/device/device_builder.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <limits>
 #include <numeric>
 
+#include "clbvh/core/validate.hpp"
 #include "device/opencl/session.hpp"
 #include "support/builders.hpp"
 #include "support/device_tree.hpp"
@@ -94,6 +96,33 @@ TEST_CASE("device builder: meshes of any size, also where all primitives are ina
             CHECK(none.guards_are_whole());
         }
     });
+}
+
+TEST_CASE("device builder: leaves of several primitives leave zeros behind Builder's tree, optimised or not") {
+    for (const char* const optimizers : {"", "reinsert", "treelet"}) {
+        for (const Shape shape : {Shape::group, Shape::lane}) {
+            BuildOptions options = options_of(shape);
+            options.hploc.leaf_size = 4;
+            options.optimizers = optimizers;
+            options.optimize_on = OptimizeOn::device;
+            DeviceBuilder builder = make_device_builder("hploc", options);
+            for (const std::uint32_t size : {1u, 4u, 5u, 100u, 6000u, 20000u}) {
+                INFO(optimizers << ", " << to_string(shape) << ", " << size);
+                const Mesh mesh = mesh_with_holes(size);
+                const Bvh expected = tree_of_builder(builder, mesh);
+                DeviceTree tree(builder, input_layouts().front(), mesh);
+                tree.enqueue();
+                Bvh built = tree.read();
+                CHECK(tree.guards_are_whole());
+                REQUIRE(built.nodes.size() >= expected.nodes.size());
+                const auto behind = built.nodes.begin() + static_cast<std::ptrdiff_t>(expected.nodes.size());
+                CHECK(std::all_of(behind, built.nodes.end(), [](const Node& node) { return node == Node{}; }));
+                built.nodes.erase(behind, built.nodes.end());
+                CHECK(same_bytes(built, expected));
+                CHECK(validate(expected, mesh).error == "");
+            }
+        }
+    }
 }
 
 TEST_CASE("device builder: without primitives the active count is 0, and nothing else is touched") {
@@ -229,6 +258,14 @@ TEST_CASE("device builder: sizes grow with the primitives, and what is too large
     expect_error(ErrorCode::unsupported,
                  {std::to_string(count + 1) + " primitives", std::to_string(most) + " bytes at once"},
                  [&] { (void)builder.sizes(count + 1); });
+}
+
+TEST_CASE("device builder: leaves of several primitives have no room for as many primitives as others") {
+    BuildOptions options = options_of(Shape::lane);
+    options.hploc.leaf_size = 2;
+    const DeviceBuilder builder = make_device_builder("hploc", options);
+    expect_error(ErrorCode::unsupported, {"268435457 primitives", "268435456", "leaf_size"},
+                 [&] { (void)builder.sizes((1u << 28) + 1); });
 }
 
 TEST_CASE("device builder: builders of the host and work of the host are refused") {

@@ -63,6 +63,9 @@ TEST_CASE("device refitter: trees of every builder, with leaves of one and of se
                 expect_refit(make_builder(builder.id, options).build(mesh), mesh);
             }
         }
+        BuildOptions grouped;
+        grouped.hploc.leaf_size = 4;
+        expect_refit(make_builder("hploc", grouped).build(mesh), mesh);
     }
 }
 

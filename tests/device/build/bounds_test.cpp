@@ -25,12 +25,12 @@ struct BoundsResult {
 
 BoundsResult run_bounds(const Mesh& mesh, const device::BuildSettings& settings) {
     StageBench bench(settings, mesh.triangles.size());
-    write(bench.buffers.leaf_count, std::vector<std::uint32_t>{12345});
+    write(bench.buffers.primitive_count, std::vector<std::uint32_t>{12345});
     device::launch_bounds(bench.launcher, bench.settings, bench.buffers, upload_mesh(bench.session, mesh));
     const std::vector<Aabb> scene = read<Aabb>(bench.buffers.bounds, 2);
     return {read<Aabb>(bench.buffers.boxes, mesh.triangles.size()),
             {scene[0], scene[1]},
-            read<std::uint32_t>(bench.buffers.leaf_count, 1)[0]};
+            read<std::uint32_t>(bench.buffers.primitive_count, 1)[0]};
 }
 
 bool is_all_nan(const Aabb& box) {

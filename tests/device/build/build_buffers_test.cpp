@@ -85,7 +85,7 @@ void expect_views_apart(const BuildMemory& m, const MemoryPlan& p) {
                  {{"bounds", b.bounds},
                   {"partial_bounds", b.partial_bounds},
                   {"partial_counts", b.partial_counts},
-                  {"leaf_count", b.leaf_count},
+                  {"primitive_count", b.primitive_count},
                   {"counts", b.counts},
                   {"morton_tables", b.morton_tables},
                   {"morton_parameters", b.morton_parameters},

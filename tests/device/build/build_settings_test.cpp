@@ -199,9 +199,17 @@ TEST_CASE("settings: Morton ranges are as many as asked for, else the same in bo
 
 TEST_CASE("settings: H-PLOC's options are its kernels' constants") {
     BuildOptions options;
-    options.hploc = {.search_radius = 31, .cluster_limit = 8, .small_range = 5, .small_limit = 3, .merge_pairs = false};
-    CHECK(resolve(options, gpu(64)).hploc_defines() ==
-          " -D CLUSTER_LIMIT=8 -D SMALL_RANGE=5 -D SMALL_LIMIT=3 -D MERGE_PAIRS=0 -D SEARCH_RADIUS=31");
+    options.hploc = {.search_radius = 31,
+                     .cluster_limit = 8,
+                     .small_range = 5,
+                     .small_limit = 3,
+                     .merge_pairs = false,
+                     .leaf_size = 4};
+    const BuildSettings settings = resolve(options, gpu(64));
+    CHECK(settings.hploc_defines() ==
+          " -D CLUSTER_LIMIT=8 -D SMALL_RANGE=5 -D SMALL_LIMIT=3 -D MERGE_PAIRS=0 -D SEARCH_RADIUS=31 -D LEAF_SIZE=4");
+    CHECK(settings.groups_primitives());
+    CHECK_FALSE(resolve({}, gpu(64)).groups_primitives());
 }
 
 TEST_CASE("settings: options that a builder does not read are neither checked nor followed") {

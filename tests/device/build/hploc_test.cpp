@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "clbvh/core/validate.hpp"
+#include "clbvh/io/scene.hpp"
+#include "clbvh/metrics/tree_statistics.hpp"
 #include "device/build/cluster_bench.hpp"
 #include "device/build/stage_bench.hpp"
 #include "support/box_sets.hpp"
@@ -44,6 +46,12 @@ std::vector<BuildOptions> all_options() {
     uneven.hploc.small_limit = 3;
     uneven.hploc.merge_pairs = false;
     return {BuildOptions{}, fast_options(), window_options(8), narrow, uneven};
+}
+
+BuildOptions leaf_options(std::uint32_t leaf_size) {
+    BuildOptions options;
+    options.hploc.leaf_size = leaf_size;
+    return options;
 }
 
 /// Checks both shapes on keys that may be equal. False after the first that fails, so that a loop can stop.
@@ -122,6 +130,81 @@ TEST_CASE("hploc: uneven Morton trees") {
         expect_hploc_tree(options, order_of_codes(between_equal_ones), "a chain between equal codes");
         expect_hploc_tree(options, order_of_codes(runs), "runs of equal codes");
         expect_hploc_tree(options, order_of_codes(Codes(4097, 42)), "equal codes");
+    }
+}
+
+TEST_CASE("hploc: leaves of several primitives, at any size") {
+    for (const std::uint32_t leaf_size : {2, 3, 4, 8}) {
+        INFO("leaves of " << leaf_size);
+        for (std::size_t size = 1; size <= 50; ++size) {
+            if (!expect_hploc_tree(leaf_options(leaf_size), random_order(size), "random")) return;
+        }
+        for (const std::size_t size : {63, 64, 65, 127, 128, 129, 500, 1000, 1024, 4096, 20000}) {
+            if (!expect_hploc_tree(leaf_options(leaf_size), random_order(size), "random")) return;
+        }
+    }
+}
+
+TEST_CASE("hploc: leaves of several primitives of hard boxes and uneven Morton trees") {
+    const Codes deep = chain();
+    Codes mirrored;
+    for (const std::uint64_t code : deep)
+        mirrored.push_back((std::uint64_t{1} << 63) - 1 - code);
+    std::ranges::reverse(mirrored);
+    Codes runs;
+    for (std::uint32_t i = 0; i < 3000; ++i)
+        runs.push_back(i / 37);
+    Codes long_chain;  // of codes in runs, which end everywhere within a word of 64
+    for (const std::uint64_t code : deep)
+        long_chain.insert(long_chain.end(), 1 + code % 11, code);
+    for (const std::uint32_t leaf_size : {2, 4, 8}) {
+        INFO("leaves of " << leaf_size);
+        const BuildOptions options = leaf_options(leaf_size);
+        expect_hploc_tree(options, order_of_codes(deep), "a chain");
+        expect_hploc_tree(options, order_of_codes(mirrored), "a chain to the right");
+        expect_hploc_tree(options, order_of_codes(long_chain), "a chain of equal codes");
+        expect_hploc_tree(options, order_of_codes(runs), "runs of equal codes");
+        expect_hploc_tree(options, order_of_codes(Codes(4097, 42)), "equal codes");
+        for (const BoxSet& set : hard_box_sets(1000))
+            expect_hploc_tree(options, morton_order(mesh_of_boxes(set.boxes), MortonCode::xyz), set.name);
+    }
+}
+
+TEST_CASE("hploc: leaves of several primitives with every other option") {
+    std::vector<BuildOptions> options = all_options();
+    for (std::size_t k = 0; k < options.size(); ++k) {
+        options[k].hploc.leaf_size = 3;
+        for (const std::size_t size : {3, 5, 40, 100, 3000})
+            expect_hploc_tree(options[k], random_order(size), "options " + std::to_string(k));
+    }
+}
+
+TEST_CASE("hploc: leaves of several primitives, in as many pieces as a large device takes") {
+    BuildOptions options = leaf_options(4);
+    options.device.code_bits = 63;
+    const MortonOrder order = random_order(150000);
+    const OracleTree expected = hploc_tree(order, options.hploc);
+    for (const Shape shape : kBothShapes) {
+        INFO(to_string(shape));
+        options.device.shape = shape;
+        expect_cluster_tree(run_cluster(device::kHploc, large_device_settings(options), order), expected);
+    }
+}
+
+TEST_CASE("hploc: leaves of several primitives over every generated scene, some primitives inactive") {
+    for (const SceneGeneratorInfo& scene : scene_generators()) {
+        Mesh mesh = generate_scene(scene.name, 2000);
+        deactivate_triangles(mesh, 2, 7);
+        for (const std::uint32_t leaf_size : {2, 4, 8}) {
+            for (const Shape shape : kBothShapes) {
+                BuildOptions options = options_of(shape);
+                options.hploc.leaf_size = leaf_size;
+                Builder builder = make_builder("hploc", options);
+                const Bvh tree = builder.build(mesh);
+                expect_oracle_tree(builder, tree, mesh, std::string(scene.name));
+                CHECK(tree_statistics(tree).leaves_by_size.size() <= leaf_size + 1);
+            }
+        }
     }
 }
 

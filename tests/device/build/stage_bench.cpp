@@ -53,7 +53,7 @@ StageBench::StageBench(const device::BuildSettings& build_settings, std::size_t 
     const device::BoxOrder box_order = algorithm != nullptr ? algorithm->box_order : device::BoxOrder::morton;
     const std::uint64_t extra_bytes = algorithm != nullptr ? algorithm->extra_bytes(settings, count) : 0;
     memory.reserve(session, device::plan_memory(settings, box_order, count, extra_bytes));
-    write(buffers.leaf_count, std::vector<std::uint32_t>{count});
+    write(buffers.primitive_count, std::vector<std::uint32_t>{count});
     launcher.begin_stage("test", 0.0);
 }
 

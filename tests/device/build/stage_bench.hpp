@@ -35,7 +35,7 @@ struct StageBench {
     device::Session& session;
     device::BuildSettings settings;
     device::OwnMemory memory;
-    const device::BuildBuffers& buffers;  ///< leaf_count holds the primitives
+    const device::BuildBuffers& buffers;  ///< primitive_count holds the primitives
     ProgressCallback progress;
     device::Launcher launcher;
 };

@@ -11,7 +11,7 @@ namespace {
 
 struct Cluster {
     Node node;
-    std::uint32_t first;      ///< Smallest Morton position of its primitives.
+    std::uint32_t first;      ///< Smallest Morton position of its leaves.
     std::uint32_t place = 0;  ///< Among those that its node of the Morton tree began with.
 };
 
@@ -43,9 +43,9 @@ public:
     }
 
 private:
-    [[nodiscard]] std::uint32_t limit_of(std::uint32_t primitives) const {
-        if (primitives == 2 && options_.merge_pairs) return 1;
-        return primitives <= options_.small_range ? options_.small_limit : options_.cluster_limit;
+    [[nodiscard]] std::uint32_t limit_of(std::uint32_t leaves) const {
+        if (leaves == 2 && options_.merge_pairs) return 1;
+        return leaves <= options_.small_range ? options_.small_limit : options_.cluster_limit;
     }
 
     static void number_places(Clusters& clusters) {
@@ -97,13 +97,49 @@ private:
     std::vector<Node>& nodes_;
 };
 
+/// Leaves as primitives of their own, and where in the order of the primitives each begins.
+struct Leaves {
+    MortonOrder order;
+    std::vector<std::uint32_t> begins;
+};
+
+/// Adds the leaves of the node of the Morton tree over [begin, end).
+void add_leaves(const MortonOrder& order, std::uint32_t begin, std::uint32_t end, std::uint32_t leaf_size,
+                Leaves& leaves) {
+    if (end - begin > leaf_size) {
+        const std::uint32_t split = split_position(order.codes, begin, end);
+        add_leaves(order, begin, split, leaf_size, leaves);
+        add_leaves(order, split, end, leaf_size, leaves);
+        return;
+    }
+    Aabb box;
+    for (std::uint32_t position = begin; position < end; ++position)
+        box = merge(box, order.bounds[position]);
+    leaves.begins.push_back(begin);
+    leaves.order.codes.push_back(order.codes[begin]);
+    leaves.order.ids.push_back(begin);
+    leaves.order.bounds.push_back(box);
+}
+
 }  // namespace
 
 OracleTree hploc_tree(const MortonOrder& order, const HplocConfig& options) {
     OracleTree tree = empty_tree(order);
     if (order.ids.empty()) return tree;
-    HplocOracle oracle(order, options, tree.bvh.nodes);
-    tree.bvh.nodes[0] = oracle.clusters_of(0, static_cast<std::uint32_t>(order.ids.size())).front().node;
+    const auto primitives = static_cast<std::uint32_t>(order.ids.size());
+    Leaves leaves;
+    add_leaves(order, 0, primitives, options.leaf_size, leaves);
+    leaves.begins.push_back(primitives);
+    const auto leaf_count = static_cast<std::uint32_t>(leaves.order.ids.size());
+    tree.bvh.nodes.assign(2 * leaf_count, {});
+    HplocOracle oracle(leaves.order, options, tree.bvh.nodes);
+    tree.bvh.nodes[0] = oracle.clusters_of(0, leaf_count).front().node;
+    for (Node& node : tree.bvh.nodes) {
+        if (!node.is_leaf()) continue;
+        const std::uint32_t leaf = node.first;
+        node.first = leaves.begins[leaf];
+        node.count = leaves.begins[leaf + 1] - leaves.begins[leaf];
+    }
     return tree;
 }
 

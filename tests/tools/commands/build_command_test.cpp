@@ -316,6 +316,7 @@ TEST_CASE("build's JSON holds the options that were in force") {
         {"hploc.small_range", 32, {"--small-range", "32"}},
         {"hploc.small_limit", 4, {"--small-limit", "4"}},
         {"hploc.merge_pairs", false, {"--merge-pairs", "off"}},
+        {"hploc.leaf_size", 4, {"--leaf-size", "4"}},
     };
     const ordered_json bins = options_with({"--bins", "9"});
     for (const char* const name : {"binned_sah.bin_count", "sbvh.bin_count", "sbvh.spatial_bin_count"})
