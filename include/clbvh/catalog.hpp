@@ -39,6 +39,8 @@ struct PresetInfo {
     std::string_view optimizers = {};   ///< As BuildOptions::optimizers.
     std::uint32_t optimize_passes = 0;  ///< As BuildOptions::optimize_passes.
     std::uint32_t max_leaf_size = 0;    ///< As BuildOptions::max_leaf_size.
+    std::uint32_t leaf_size = 0;        ///< As HplocConfig::leaf_size; 0: as it is.
+    std::uint32_t code_bits = 0;        ///< As DeviceConfig::code_bits; 0: as it is.
 };
 
 /// Every preset, the fastest first.
@@ -47,7 +49,8 @@ struct PresetInfo {
 /// The preset of that id; null where there is none.
 [[nodiscard]] CLBVH_API const PresetInfo* find_preset(std::string_view id) noexcept;
 
-/// `options` with the preset's values where they are left to it: empty, or 0. Its passes come with its optimisers only.
+/// `options` with the preset's values where they are left to it: empty, 0, or what a Config begins with. Its passes come
+/// with its optimisers only, and its leaves are never larger than max_leaf_size.
 [[nodiscard]] CLBVH_API BuildOptions with_preset(const PresetInfo& preset, BuildOptions options = {});
 
 /// The same for the id of a builder or of a preset: what a builder made with both runs with.

@@ -8,18 +8,24 @@ namespace {
 
 // Measured beside each other, and beside what else there is: docs/presets.md.
 constexpr PresetInfo kPresets[] = {
-    {.id = "fast", .title = "The tree as plocpp leaves it: for what moves every frame", .builder = "plocpp"},
+    {.id = "fast",
+     .title = "Leaves of neighbours, clustered: for what moves every frame",
+     .builder = "hploc",
+     .leaf_size = 4,
+     .code_bits = 33},
     {.id = "balanced",
-     .title = "The first passes of reinsertion, where most is gained, and merged leaves",
+     .title = "The first passes of reinsertion, where most is gained",
      .builder = "hploc",
      .optimizers = "reinsert",
      .optimize_passes = 2,
-     .max_leaf_size = 8},
+     .leaf_size = 4},
     {.id = "high",
-     .title = "Reinsertion until nothing is gained: for what is traced for seconds",
-     .builder = "binned-sah",
+     .title = "More passes, and leaves merged where that pays: for what is traced for seconds",
+     .builder = "hploc",
      .optimizers = "reinsert",
-     .max_leaf_size = 8},
+     .optimize_passes = 4,
+     .max_leaf_size = 8,
+     .leaf_size = 2},
     {.id = "highest",
      .title = "Spatial splits, then reinsertion: for what is traced for minutes",
      .builder = "sbvh",
@@ -45,6 +51,12 @@ BuildOptions with_preset(const PresetInfo& preset, BuildOptions options) {
         if (options.optimize_passes == 0) options.optimize_passes = preset.optimize_passes;
     }
     if (options.max_leaf_size == 0) options.max_leaf_size = preset.max_leaf_size;
+    if (preset.leaf_size > 0 && options.hploc.leaf_size == HplocConfig().leaf_size) {
+        options.hploc.leaf_size =
+            options.max_leaf_size > 0 ? std::min(preset.leaf_size, options.max_leaf_size) : preset.leaf_size;
+    }
+    if (preset.code_bits > 0 && options.device.code_bits == DeviceConfig().code_bits)
+        options.device.code_bits = preset.code_bits;
     return options;
 }
 

@@ -17,6 +17,7 @@ TEST_CASE("presets: what a caller sets wins") {
     options.optimizers = "rotate";
     const BuildOptions merged = make_builder("balanced", options).options();
     CHECK(merged.max_leaf_size == 2);
+    CHECK(merged.hploc.leaf_size == 2);  // of the preset's 4
     CHECK(merged.optimizers == "rotate");
     CHECK(merged.optimize_passes == 0);
     options.optimizers.clear();
@@ -28,10 +29,12 @@ TEST_CASE("presets: what a caller sets wins") {
 }
 
 TEST_CASE("presets: from device memory where nothing of them is the host's work") {
-    CHECK(DeviceBuilder("fast", shared_context()).info().id == "plocpp");
-    expect_error(ErrorCode::unsupported, {"the preset balanced merges leaves", "hploc with optimizers reinsert"},
-                 [] { static_cast<void>(DeviceBuilder("balanced", shared_context())); });
-    expect_error(ErrorCode::unsupported, {"host"}, [] { static_cast<void>(DeviceBuilder("high", shared_context())); });
+    for (const char* id : {"fast", "balanced"})
+        CHECK(DeviceBuilder(id, shared_context()).info().id == "hploc");
+    expect_error(ErrorCode::unsupported, {"the preset high merges leaves", "hploc with optimizers reinsert"},
+                 [] { static_cast<void>(DeviceBuilder("high", shared_context())); });
+    expect_error(ErrorCode::unsupported, {"host"},
+                 [] { static_cast<void>(DeviceBuilder("highest", shared_context())); });
 }
 
 TEST_CASE("presets: passes end an optimizer behind a builder") {

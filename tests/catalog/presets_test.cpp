@@ -30,6 +30,8 @@ TEST_CASE("presets: each is a builder with options, the same bytes as with both 
         options.optimizers = preset.optimizers;
         options.optimize_passes = preset.optimize_passes;
         options.max_leaf_size = preset.max_leaf_size;
+        if (preset.leaf_size > 0) options.hploc.leaf_size = preset.leaf_size;
+        if (preset.code_bits > 0) options.device.code_bits = preset.code_bits;
         Builder by_hand = make_builder(preset.builder, options);
         CHECK(by_hand.id() == preset.builder);
         CHECK(same_bytes(tree, by_hand.build(mesh)));

@@ -20,6 +20,6 @@ TEST_CASE("without OpenCL there is no device, and whoever asks for one is told w
         CHECK(clbvh_create_builder(std::string(info.id).c_str(), nullptr, &c.handle) == CLBVH_UNSUPPORTED);
         CHECK_THAT(clbvh_last_error(), Catch::Contains("no OpenCL"));
     }
-    for (const char* const preset : {"fast", "balanced"})
+    for (const char* const preset : {"fast", "balanced", "high"})
         expect_error(ErrorCode::unsupported, {"no OpenCL"}, [&] { (void)Builder(preset); });
 }

@@ -93,17 +93,19 @@ Listing list_optimizers() {
 }
 
 Listing list_presets(const std::string& missing) {
-    Listing listing({"preset", "builder", "optimizers", "passes", "max leaf", "title"});
+    Listing listing({"preset", "builder", "optimizers", "passes", "leaf size", "max leaf", "title"});
     for (const PresetInfo& preset : presets()) {
         listing.table.add_row({std::string(preset.id), std::string(preset.builder), dash_unless(preset.optimizers),
-                               dash_unless(preset.optimize_passes), dash_unless(preset.max_leaf_size),
-                               std::string(preset.title)});
+                               dash_unless(preset.optimize_passes), dash_unless(preset.leaf_size),
+                               dash_unless(preset.max_leaf_size), std::string(preset.title)});
         listing.entries.push_back({{"id", preset.id},
                                    {"title", preset.title},
                                    {"builder", preset.builder},
                                    {"optimizers", preset.optimizers},
                                    {"optimize_passes", preset.optimize_passes},
                                    {"max_leaf_size", preset.max_leaf_size},
+                                   {"leaf_size", preset.leaf_size},
+                                   {"code_bits", preset.code_bits},
                                    {"available", runs_on_host(preset.id) || missing.empty()}});
     }
     return listing;
