@@ -24,7 +24,7 @@ TEST_CASE("presets: each is a builder with options, the same bytes as with both 
         CHECK(builder.id() == preset.id);
         CHECK(builder.info().id == preset.builder);
         const Bvh tree = builder.build(mesh);
-        CHECK(validate(tree, mesh).error == "");
+        CHECK(validate(tree, mesh).error.empty());
 
         BuildOptions options;
         options.optimizers = preset.optimizers;
