@@ -1,21 +1,16 @@
 // Rays through a tree: the closest hit of each, or whether it has one. Every array is a buffer and an offset in bytes.
 //
 //   in     nodes [node_count]; primitive ids and a mesh (input.clh), or leaf rows (leaf_triangle.clh);
-//          rays [ray_count] (ray.clh)
+//          a layout's header, nodes and blocks (wide_tree.clh); rays [ray_count] (ray.clh)
 //   inout  control [4]: how many rays were left, whether rays go through eight children
 //   out    results: Hit, or for any hit uchar (0 or 1) [ray_count]; counts [ray_count] where has_counts
 //
 // begin_trace, begin_wide_trace
-//   set control; one group. The latter asks the header of a wide tree whether there is one.
-// leaf_triangles  out leaf rows [3 * reference_count]; a group for BLOCK_RAYS references
+//   set control; one group. The latter asks the layout's header whether there are nodes.
 // trace_closest, trace_any
 //   launch groups for BLOCK_RAYS rays each
-// wide_closest, wide_any (lane shape)
-//   the same through a tree of eight children (wide_tree.clh), where there is one: then those above do nothing
-// widen_top, widen_rest (lane shape)
-//   in     nodes and triangles
-//   out    the header, nodes and blocks of a wide tree (widen.clh)
-//   launch one work item, then any number
+// wide_closest, wide_any
+//   the same through eight children, where there are nodes: then those above do nothing
 // deep_closest, deep_any
 //   trace the rays that were left since they overflowed the private stack, and do nothing where there are none
 //   scratch deep_stack [deep_items * deep_capacity], deep_capacity no less than the tree has sibling pairs
@@ -28,10 +23,7 @@
 #include "ray_triangle.clh"
 #include "leaf_triangle.clh"
 #include "trace_ray.clh"
-#if LANE_SHAPE
 #include "wide_tree.clh"
-#include "widen.clh"
-#endif
 
 #ifndef BLOCK_RAYS
 #define BLOCK_RAYS WORK_GROUP_SIZE
@@ -163,11 +155,11 @@ KERNEL void begin_trace(global uchar* control_buffer, ulong control_offset) {
     if (LOCAL_ID == 0) *AT(uint4, control_buffer, control_offset) = (uint4)(0, 0, 0, 0);
 }
 
-#if LANE_SHAPE
-#define WIDE_ARGUMENTS global uchar *wide, ulong header_offset, ulong wide_nodes_offset, ulong wide_blocks_offset
+#define WIDE_ARGUMENTS global const uchar *wide, ulong header_offset, ulong wide_nodes_offset, ulong wide_blocks_offset
 
 KERNEL void begin_wide_trace(global uchar* control_buffer, ulong control_offset, WIDE_ARGUMENTS) {
-    *AT(uint4, control_buffer, control_offset) = (uint4)(0, AT(uint, wide, header_offset)[HAS_WIDE_TREE], 0, 0);
+    *AT(uint4, control_buffer, control_offset) =
+        (uint4)(0, AT(const uint, wide, header_offset)[LAYOUT_NODE_COUNT], 0, 0);
 }
 
 #define DEFINE_WIDE_TRACE(name, is_any)                                                                                \
@@ -177,7 +169,7 @@ KERNEL void begin_wide_trace(global uchar* control_buffer, ulong control_offset,
         if (!control[GOES_WIDE]) return;                                                                               \
         const size_t begin = BLOCK_RAYS * get_group_id(0);                                                             \
         uint2 stack[WIDE_STACK];                                                                                       \
-        for (size_t i = begin; i < min(begin + BLOCK_RAYS, (size_t)ray_count); ++i) {                                  \
+        FOR_WORK_ITEMS(i, begin, min(begin + BLOCK_RAYS, (size_t)ray_count)) {                                         \
             Hit hit;                                                                                                   \
             const int is_done = trace_wide_ray(scene, load_ray(rays, i), is_any, stack, &hit) == TRACE_DONE;           \
             store_or_leave(output, i, is_done, hit, no_counts(), control);                                             \
@@ -186,39 +178,3 @@ KERNEL void begin_wide_trace(global uchar* control_buffer, ulong control_offset,
 
 DEFINE_WIDE_TRACE(wide_closest, 0)
 DEFINE_WIDE_TRACE(wide_any, 1)
-
-#define WIDENING                                                                                                       \
-    {                                                                                                                  \
-        SCENE, AT(uint, wide, header_offset), AT(float, wide, wide_nodes_offset), AT(float, wide, wide_blocks_offset), \
-            node_capacity, block_capacity                                                                              \
-    }
-
-KERNEL void widen_top(SCENE_ARGUMENTS, WIDE_ARGUMENTS, uint node_capacity, uint block_capacity, uint most) {
-    const Widening widening = WIDENING;
-    widen_top_of(widening, most);
-}
-
-KERNEL void widen_rest(SCENE_ARGUMENTS, WIDE_ARGUMENTS, uint node_capacity, uint block_capacity) {
-    const Widening widening = WIDENING;
-    const uint end = widening.header[TOP_END];
-    for (uint node = widening.header[TOP_BEGIN] + get_global_id(0); node < end; node += get_global_size(0))
-        widen_below(widening, node);
-}
-#endif
-
-KERNEL void leaf_triangles(SCENE_ARGUMENTS, uint primitive_count, uint reference_count, global uchar* rows_buffer,
-                           ulong rows_offset) {
-    const Scene scene = SCENE;
-    const TriangleRay unturned = {0, 1, 2};
-    global float4* const rows = AT(float4, rows_buffer, rows_offset);
-    const size_t begin = BLOCK_RAYS * get_group_id(0);
-    FOR_WORK_ITEMS(i, begin, min(begin + BLOCK_RAYS, (size_t)reference_count)) {
-        // Anything may follow the tree's own references, whose number is not known.
-        if (scene.triangles.primitive_ids[i] >= primitive_count) continue;
-        uint primitive;
-        const Corners corners = corners_of(scene.triangles, i, unturned, &primitive);
-        rows[LEAF_ROWS * i] = corners.x;
-        rows[LEAF_ROWS * i + 1] = corners.y;
-        rows[LEAF_ROWS * i + 2] = (float4)(corners.z.xyz, as_float(primitive + LEAF_NUMBER_BIT));
-    }
-}

@@ -16,12 +16,20 @@ namespace clbvh {
 
 /// The tree and the triangles that rays are traced through.
 struct DeviceScene {
-    /// Nodes at an offset that is a multiple of 64, primitive ids at a multiple of 4. The active count is not looked
-    /// at.
+    /// Nodes at an offset that is a multiple of 64, primitive ids at a multiple of 4. The active count is looked at
+    /// where a layout is made.
     DeviceBvh bvh;
     DeviceTriangles triangles;  ///< The mesh that the tree was built over; rays do not look at it where there is a
-    DeviceSpan layout;          ///< traversal layout: filled by enqueue_layout of a DeviceTracer with the same options;
-                                ///< offset, a multiple of 64.
+    DeviceSpan layout;          ///< traversal layout: filled by enqueue_layout of any DeviceTracer for a tree with the
+                                ///< same counts; offset, a multiple of 64.
+};
+
+/// Where the parts of a traversal layout are: a Wide8, see clbvh/layout/wide.hpp and docs/layouts.md.
+struct DeviceWide8 {
+    DeviceSpan
+        header;        ///< Three uints: the numbers of nodes and of blocks, the depth; all 0 for a tree without leaves.
+    DeviceSpan nodes;  ///< WideNode<8> [nodes]
+    DeviceSpan blocks;  ///< TriangleBlock [blocks]
 };
 
 /// Rays that can be traced at once.
@@ -39,7 +47,8 @@ struct DeviceRays {
 /// Bytes that tracing needs beside the tree, the rays and the hits.
 struct DeviceTraceSizes {
     std::uint64_t scratch = 0;  ///< For any number of rays; free again when they are traced.
-    std::uint64_t layout = 0;   ///< 48 for each reference in the group shape, some 166 in the lane shape.
+    /// Some 267 for each reference, which any tree has room in; most trees leave half of them as they were.
+    std::uint64_t layout = 0;
 };
 
 /// Traces rays on an OpenCL device: from buffers of the caller's into buffers of the caller's, on a queue of the
@@ -65,8 +74,12 @@ public:
     /// Bytes that a tree needs; only the two counts of `bvh` are looked at.
     [[nodiscard]] DeviceTraceSizes sizes(const DeviceBvh& bvh) const noexcept;
 
+    /// Where the parts of scene.layout are. Only it and the two counts of the tree are looked at.
+    [[nodiscard]] static DeviceWide8 wide8_of(const DeviceScene& scene) noexcept;
+
     /// Enqueues that scene.layout is filled with the scene as rays go through it fastest: worth its time where many
-    /// rays follow, see docs/trace-device.md. The mesh is not needed afterwards, the tree is.
+    /// rays follow, see docs/trace-device.md. The mesh is not needed afterwards, the tree is. The layout's Wide8 has
+    /// the bytes of make_layout() for a Bvh of as many nodes: 2 * the active count where there is one, else node_count.
     ///
     /// This and the next two allocate nothing and wait for nothing: they begin when the events in `wait_list` are
     /// complete, in an in-order queue also behind what was enqueued before, and `event`, where given, becomes the

@@ -1,5 +1,6 @@
 #include "clbvh/device/device_tracer.hpp"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "core/memory_errors.hpp"
 #include "device/api/caller_input.hpp"
 #include "device/api/caller_queue.hpp"
+#include "device/api/caller_tree.hpp"
 #include "device/trace/host_scene.hpp"
 #include "device/trace/trace.hpp"
 #include "layout/check_tree.hpp"
@@ -28,8 +30,8 @@ constexpr std::uint64_t kRayAlignment = 16;
 
 TraceSettings prepare_tracing(Session& session, const DeviceTracerOptions& options) {
     const TraceSettings settings = device::resolve_trace_settings(session, options);
-    const device::ProgramSpec program = device::trace_program(settings);
-    session.prepare({std::span(&program, 1)});
+    const std::array programs{device::trace_program(settings), device::layout_program(settings.layout)};
+    session.prepare({programs});
     return settings;
 }
 
@@ -72,9 +74,9 @@ void check_references(const Session& session, const DeviceScene& given, CheckedS
     checked.scene.mesh = input.mesh;
 }
 
-CallerMemory examine_layout(const Session& session, const TraceSettings& settings, const DeviceScene& given) {
+CallerMemory examine_layout(const Session& session, const DeviceScene& given) {
     return examine_array(session, "the layout", given.layout,
-                         device::lay_out_scene(settings, given.bvh.reference_count).bytes, kNodeAlignment);
+                         device::lay_out_scene(given.bvh.node_count, given.bvh.reference_count).bytes, kNodeAlignment);
 }
 
 void check_nodes(const Session& session, const DeviceScene& given, CheckedScene& checked) {
@@ -85,14 +87,14 @@ void check_nodes(const Session& session, const DeviceScene& given, CheckedScene&
     checked.scene.nodes = checked.nodes.given;
 }
 
-CheckedScene check_scene(const Session& session, const TraceSettings& settings, const DeviceScene& given) {
+CheckedScene check_scene(const Session& session, const DeviceScene& given) {
     CheckedScene checked;
     if (given.bvh.node_count == 0 || given.bvh.reference_count == 0) return checked;
     check_nodes(session, given, checked);
     if (given.layout.buffer == nullptr) {
         check_references(session, given, checked);
     } else {
-        checked.layout = examine_layout(session, settings, given);
+        checked.layout = examine_layout(session, given);
         device::check_readable(checked.layout);
         checked.scene.layout = checked.layout.given;
     }
@@ -143,7 +145,7 @@ struct CLBVH_NO_EXPORT DeviceTracer::State {
                        std::span<const cl_event> wait_list, cl_event* event) const {
         Session& session = context.session();
         device::enqueue_for_caller("enqueuing rays", session, {queue, wait_list, event}, [&](Launcher& launcher) {
-            const CheckedScene scene = check_scene(session, settings, given);
+            const CheckedScene scene = check_scene(session, given);
             if (rays.count == 0) return;
             device::launch_trace(launcher, settings, scene.scene, check_rays(session, scene, rays, any));
         });
@@ -170,7 +172,15 @@ DeviceTracer::~DeviceTracer() = default;
 
 DeviceTraceSizes DeviceTracer::sizes(const DeviceBvh& bvh) const noexcept {
     return {device::lay_out_trace_scratch(bvh.node_count).bytes,
-            device::lay_out_scene(state_->settings, bvh.reference_count).bytes};
+            device::lay_out_scene(bvh.node_count, bvh.reference_count).bytes};
+}
+
+DeviceWide8 DeviceTracer::wide8_of(const DeviceScene& scene) noexcept {
+    const device::SceneLayout parts = device::lay_out_scene(scene.bvh.node_count, scene.bvh.reference_count);
+    const auto part = [&](const device::Block& block) {
+        return DeviceSpan{scene.layout.buffer, scene.layout.offset + block.offset};
+    };
+    return {part(parts.header), part(parts.nodes), part(parts.blocks)};
 }
 
 void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& scene, std::span<const cl_event> wait_list,
@@ -182,10 +192,16 @@ void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& sce
         CheckedScene checked;
         check_nodes(session, scene, checked);
         check_references(session, scene, checked);
-        const CallerMemory out = examine_layout(session, state.settings, scene);
+        const CallerMemory active_count = device::examine_active_count(session, scene.bvh.active_count);
+        const CallerMemory out = examine_layout(session, scene);
         device::check_read_write(out);
         checked.check_apart_from(out);
-        device::launch_layout(launcher, state.settings, checked.scene, out.given);
+        device::check_apart({out, active_count});
+        launcher.begin_stage("layout", 0.0);
+        device::launch_layout(launcher, state.settings.layout,
+                              {checked.scene.node_count, checked.scene.reference_count, checked.scene.nodes,
+                               checked.scene.primitive_ids, active_count.given, checked.scene.mesh},
+                              out.given);
     });
 }
 

@@ -16,7 +16,7 @@ constexpr std::uint32_t kGroupSize = 64;
 constexpr std::uint32_t kLaneBlock = 64;
 constexpr std::uint32_t kStackEntries = 48;
 
-// Places in scratch and layouts of the caller's begin where a sibling pair, a line of 64 bytes, may.
+// Places in scratch of the caller's begin where a sibling pair, a line of 64 bytes, may.
 constexpr std::uint64_t kAlignment = 64;
 
 // Memory for deep stacks grows up to here, then only one work item is left and its stack grows with the tree.
@@ -24,13 +24,6 @@ constexpr std::uint64_t kDeepBytes = std::uint64_t{16} << 20;
 constexpr std::uint64_t kMostDeepItems = 64;
 constexpr std::uint64_t kControlBytes = 64;
 constexpr std::uint64_t kEntryBytes = 8;
-
-// Subtrees that the lane shape widens each by itself, and the work items for them.
-constexpr std::uint32_t kWideSubtrees = 512;
-constexpr std::uint64_t kRowsBytes = sizeof(cl_float4) * kernels::LEAF_ROWS;
-constexpr std::uint64_t kHeaderBytes = sizeof(cl_uint) * kernels::WIDE_HEADER_WORDS;
-constexpr std::uint64_t kNodeBytes = sizeof(float) * kernels::WIDE_NODE_FLOATS;
-constexpr std::uint64_t kBlockBytes = sizeof(float) * kernels::BLOCK_FLOATS;
 
 constexpr std::uint32_t kLeafOrder = kernels::INPUT_LEAF_ORDER;
 
@@ -49,7 +42,7 @@ cl_device_fp_config float_abilities(const Session& session) {
 }
 
 // SCENE_ARGUMENTS of kernels/trace/trace.cl. What a scene lacks is not read, but no kernel is given a null buffer.
-auto scene_arguments(const TraceScene& scene, const cl::Buffer& stand_in) {
+auto scene_arguments(const TraceScene& scene, const SceneLayout& layout, const cl::Buffer& stand_in) {
     const auto given = [&](const cl::Buffer& buffer) { return buffer() != nullptr ? buffer : stand_in; };
     const bool has_layout = scene.layout.buffer() != nullptr;
     const DeviceMesh& mesh = scene.mesh;
@@ -57,7 +50,7 @@ auto scene_arguments(const TraceScene& scene, const cl::Buffer& stand_in) {
                            given(scene.primitive_ids.buffer), scene.primitive_ids.offset,
                            has_layout ? kLeafOrder : static_cast<std::uint32_t>(mesh.form), given(mesh.vertices),
                            mesh.vertex_offset, mesh.vertex_stride, given(mesh.triangles), mesh.triangle_offset,
-                           mesh.triangle_stride, given(scene.layout.buffer), scene.layout.offset);
+                           mesh.triangle_stride, given(layout.rows.buffer), layout.rows.offset);
 }
 
 // RAY_ARGUMENTS of kernels/trace/trace.cl.
@@ -69,7 +62,7 @@ auto ray_arguments(const TraceRays& rays) {
 }
 
 // WIDE_ARGUMENTS of kernels/trace/trace.cl.
-auto wide_arguments(const TraceLayout& layout) {
+auto wide_arguments(const SceneLayout& layout) {
     return std::make_tuple(layout.header.buffer, layout.header.offset, layout.nodes.offset, layout.blocks.offset);
 }
 
@@ -99,6 +92,7 @@ TraceSettings resolve_trace_settings(Session& session, const DeviceTracerOptions
     const auto group_size = static_cast<std::uint32_t>(std::min<std::size_t>(kGroupSize, largest));
     settings.work_group_size = is_group ? chosen(options.work_group_size, group_size) : 1;
     settings.block_rays = chosen(options.block_rays, is_group ? settings.work_group_size : kLaneBlock);
+    settings.layout = resolve_layout_settings(session, settings.shape);
     settings.stack_entries = chosen(options.stack_entries, kStackEntries);
     const cl_device_fp_config abilities = float_abilities(session);
     settings.rounds_divisions = (abilities & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
@@ -126,54 +120,18 @@ TraceScratch lay_out_trace_scratch(std::uint32_t node_count, const Block& place)
     return scratch;
 }
 
-TraceLayout lay_out_scene(const TraceSettings& settings, std::uint32_t reference_count, const Block& place) {
-    TraceLayout scene;
-    ArrayLayout layout(place, kAlignment);
-    scene.rows = layout.take(kRowsBytes * reference_count);
-    scene.is_wide = settings.shape == Shape::lane;
-    if (scene.is_wide) {
-        // Trees of scanned and of modelled scenes take some 0.1 nodes and 0.3 blocks a reference.
-        scene.node_capacity = reference_count / 6 + 64;
-        scene.block_capacity = reference_count / 2 + 64;
-        scene.header = layout.take(kHeaderBytes);
-        scene.nodes = layout.take(kNodeBytes * scene.node_capacity);
-        scene.blocks = layout.take(kBlockBytes * scene.block_capacity);
-    }
-    scene.bytes = layout.bytes();
-    return scene;
-}
-
-void launch_layout(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const Block& place) {
-    if (scene.reference_count == 0) return;
-    launcher.begin_stage("layout", 0.0);
-    const ProgramSpec program = trace_program(settings);
-    const auto kernel = [&](const char* name) -> Kernel& { return launcher.session().kernel(program, name); };
-    const TraceLayout layout = lay_out_scene(settings, scene.reference_count, place);
-    launch_with(launcher, kernel("leaf_triangles"), groups_for(scene.reference_count, settings.block_rays),
-                std::tuple_cat(scene_arguments(scene, place.buffer),
-                               std::make_tuple(scene.mesh.primitive_count, scene.reference_count, layout.rows.buffer,
-                                               layout.rows.offset)));
-    if (!layout.is_wide) return;
-    TraceScene laid_out = scene;
-    laid_out.layout = place;
-    const auto arguments = std::tuple_cat(scene_arguments(laid_out, place.buffer), wide_arguments(layout),
-                                          std::make_tuple(layout.node_capacity, layout.block_capacity));
-    launch_with(launcher, kernel("widen_top"), 1, std::tuple_cat(arguments, std::make_tuple(kWideSubtrees / 2)));
-    launch_with(launcher, kernel("widen_rest"), kWideSubtrees, arguments);
-}
-
 void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays) {
     if (rays.count == 0) return;
     launcher.begin_stage("trace", 0.0);
     const ProgramSpec program = trace_program(settings);
     const auto kernel = [&](const char* name) -> Kernel& { return launcher.session().kernel(program, name); };
     const TraceScratch scratch = lay_out_trace_scratch(scene.node_count, rays.scratch);
-    const TraceLayout layout = lay_out_scene(settings, scene.reference_count, scene.layout);
+    const SceneLayout layout = lay_out_scene(scene.node_count, scene.reference_count, scene.layout);
     const auto ray_values = ray_arguments(rays);
-    const auto all_values = std::tuple_cat(scene_arguments(scene, rays.scratch.buffer), ray_values);
+    const auto all_values = std::tuple_cat(scene_arguments(scene, layout, rays.scratch.buffer), ray_values);
     const std::size_t blocks = groups_for(rays.count, settings.block_rays);
     const bool is_counted = rays.counts.is_there();
-    if (layout.is_wide && scene.layout.is_there() && !is_counted) {
+    if (scene.layout.is_there() && !is_counted) {
         const auto wide_values = wide_arguments(layout);
         launch_with(launcher, kernel("begin_wide_trace"), 1,
                     std::tuple_cat(std::make_tuple(scratch.control.buffer, scratch.control.offset), wide_values));

@@ -5,6 +5,7 @@
 #include "device/opencl/device_mesh.hpp"
 #include "device/opencl/launcher.hpp"
 #include "device/opencl/memory_block.hpp"
+#include "device/trace/layout.hpp"
 
 namespace clbvh::device {
 
@@ -15,6 +16,7 @@ struct TraceSettings {
     std::uint32_t work_group_size = 1;
     std::uint32_t block_rays = 1;
     std::uint32_t stack_entries = 1;
+    LayoutSettings layout;
     bool rounds_divisions = false;  ///< The device can be told to round them correctly.
     bool keeps_denormals = false;
 };
@@ -22,6 +24,7 @@ struct TraceSettings {
 /// Throws Error(invalid_input) for options out of range, Error(unsupported) for what the device cannot run.
 [[nodiscard]] TraceSettings resolve_trace_settings(Session& session, const DeviceTracerOptions& options);
 
+/// Without what makes layouts.
 [[nodiscard]] ProgramSpec trace_program(const TraceSettings& settings);
 
 /// What tracing through a tree takes beside it.
@@ -35,27 +38,14 @@ struct TraceScratch {
 /// For a tree of so many nodes; without a place only its size.
 [[nodiscard]] TraceScratch lay_out_trace_scratch(std::uint32_t node_count, const Block& place = {});
 
-/// A scene as rays go through it fastest: the triangles in the order of the leaves (kernels/trace/leaf_triangle.clh),
-/// then in the lane shape the header, the nodes and the blocks of a tree with eight children a node
-/// (kernels/trace/wide_tree.clh). A tree with so many small leaves that it would take more memory gets none.
-struct TraceLayout {
-    Block rows;
-    bool is_wide = false;  ///< has what follows
-    Block header, nodes, blocks;
-    std::uint32_t node_capacity = 0, block_capacity = 0;
-    std::uint64_t bytes = 0;
-};
-/// For a tree of so many references; without a place only its size.
-[[nodiscard]] TraceLayout lay_out_scene(const TraceSettings& settings, std::uint32_t reference_count,
-                                        const Block& place = {});
-
 /// A scene to trace rays through.
 struct TraceScene {
     std::uint32_t node_count = 0;  ///< Where there are none the buffers may be null.
     std::uint32_t reference_count = 0;
     Block nodes, primitive_ids;
     DeviceMesh mesh;
-    Block layout;  ///< Where launch_layout() put one; without a buffer the triangles come from the mesh.
+    Block layout;  ///< Where launch_layout() put one of a tree with as many nodes and references; without a buffer the
+                   ///< triangles come from the mesh.
 };
 
 struct TraceRays {
@@ -65,12 +55,8 @@ struct TraceRays {
     Block counts;  ///< May have no buffer.
 };
 
-/// Puts a traversal layout of the scene's tree and mesh into `place`. Three launches at most, none where there are no
-/// references.
-void launch_layout(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const Block& place);
-
-/// Four launches at most, none where there are no rays. Rays that are not counted go through the tree of eight
-/// children, where the layout has one.
+/// Four launches at most, none where there are no rays. Rays that are not counted go through the layout's eight
+/// children, where there is one.
 void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays);
 
 }  // namespace clbvh::device

@@ -1,0 +1,82 @@
+// How a scene lies in memory for rays, and how the kernels that make it keep their books: what kernels and the host
+// both know. Nodes and blocks are clbvh/layout/wide.hpp's, which is installed without kernels and states them again.
+#ifndef CLBVH_KERNELS_LAYOUT_CONSTANTS_H
+#define CLBVH_KERNELS_LAYOUT_CONSTANTS_H
+#ifdef __cplusplus
+namespace clbvh::kernels {
+#endif
+
+enum {
+    LEAF_ROWS = 3,  // float4 a triangle: x, y and z of its corners; the last word holds its number
+};
+
+// WideNode<8>, WideChild and TriangleBlock.
+enum {
+    WIDE_WIDTH = 8,
+    WIDE_NODE_FLOATS = 56,  // [lower or upper][axis][child], then the children
+    WIDE_UPPER_FLOATS = 24,
+    WIDE_CHILDREN = 48,
+    WIDE_LEAF_BIT = 31,
+    WIDE_BLOCK_COUNT_SHIFT = 28,
+    WIDE_MOST_BLOCKS = 8,  // of one leaf
+    BLOCK_FLOATS = 40,     // [corner][axis][triangle], then the primitives
+    BLOCK_PRIMITIVES = 36,
+    BLOCK_TRIANGLES = 4,
+};
+
+// Words of a layout's header.
+enum {
+    LAYOUT_NODE_COUNT = 0,  // 0 where the tree has no leaves
+    LAYOUT_BLOCK_COUNT = 1,
+    LAYOUT_DEPTH = 2,
+    LAYOUT_HEADER_WORDS = 16,
+};
+
+// The tree is cut as on the host (src/layout/opening.hpp).
+enum {
+    NODES_OF_PIECE = 2048,
+    MOST_PIECES = 1024,                          // that are waited for
+    PIECE_SLOTS = MOST_PIECES + WIDE_WIDTH + 1,  // the last node may open eight, and the first piece is the top
+};
+
+// A node before it is written, in words.
+enum {
+    RECORD_NODES = 0,    // [child] of the binary tree, whose boxes the children have
+    RECORD_KINDS = 8,    // four bits a child, KIND_*
+    RECORD_CHILD = 9,    // number of the first child that is a node, in the piece
+    RECORD_BLOCK = 10,   // number of the first block, in the piece
+    RECORD_PLACES = 12,  // [child][4]: of one block in primitive_ids, or first and number where there are more
+    RECORD_WORDS = 44,
+    RECORDS_OF_CHUNK = 32,
+};
+
+// Four bits of RECORD_KINDS; in between the number of a leaf's blocks.
+enum {
+    KIND_NODE = 0,
+    KIND_RANGE = 9,  // as a node, over a part of a large leaf
+    KIND_NONE = 15,
+};
+
+// Words of what is known of a piece, and of the opening as a whole.
+enum {
+    PIECE_CHUNK = 0,  // the first of its records
+    PIECE_NODES = 1,  // its records
+    PIECE_BLOCKS = 2,
+    PIECE_DEPTH = 3,
+    PIECE_ROOT = 4,  // [4] an item: node, depth; where the last is above 0, first and number of places
+    PIECE_FIRST_NODE = 8,
+    PIECE_FIRST_BLOCK = 9,
+    PIECE_WORDS = 16,
+    OPENING_PIECES = 0,
+    OPENING_TOP = 1,     // nodes of the top, and roots of the other pieces
+    OPENING_CHUNKS = 2,  // taken
+    OPENING_WORDS = 16,
+};
+
+// Added to a row's number, so that processors do not take it for a denormal float, with which they are slow.
+#define LEAF_NUMBER_BIT 0x40000000u
+
+#ifdef __cplusplus
+}  // namespace clbvh::kernels
+#endif
+#endif

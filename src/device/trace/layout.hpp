@@ -1,0 +1,49 @@
+#pragma once
+
+#include "device/opencl/device_fit.hpp"
+#include "device/opencl/device_mesh.hpp"
+#include "device/opencl/launcher.hpp"
+#include "device/opencl/memory_block.hpp"
+
+namespace clbvh::device {
+
+/// A scene as rays go through it fastest: a header, the nodes and blocks of Wide8 (clbvh/layout/wide.hpp), which nodes
+/// of the binary tree its boxes are from, and for rays that go through two children the triangles in the order of the
+/// leaves (kernels/trace/leaf_triangle.clh). There is room for any tree of so many references.
+struct SceneLayout {
+    Block header, nodes, blocks, sources, rows;
+    Block state, pieces, next_chunks, records;  ///< What making it takes, where the rows are written last.
+    std::uint32_t most_pieces = 0;              ///< The top of the tree included.
+    std::uint64_t bytes = 0;
+};
+/// Without a place only its sizes.
+[[nodiscard]] SceneLayout lay_out_scene(std::uint32_t node_count, std::uint32_t reference_count,
+                                        const Block& place = {});
+
+/// A tree and its mesh.
+struct LayoutInput {
+    std::uint32_t node_count = 0, reference_count = 0;
+    Block nodes, primitive_ids;
+    Block active_count;  ///< A uint, half the nodes in use; without a buffer all of node_count may be.
+    DeviceMesh mesh;
+};
+
+/// How layouts are made on one device.
+struct LayoutSettings {
+    std::size_t work_group_size = 1;  ///< 1 in the lane shape.
+    std::uint32_t refit_groups = 1;
+};
+[[nodiscard]] LayoutSettings resolve_layout_settings(Session& session, Shape shape);
+
+[[nodiscard]] ProgramSpec layout_program(const LayoutSettings& settings);
+
+/// Puts a layout of the scene into `place`, within a stage of the launcher's. Five launches, none where there are no
+/// references.
+void launch_layout(Launcher& launcher, const LayoutSettings& settings, const LayoutInput& scene, const Block& place);
+
+/// Gives the layout in `place` the boxes of the tree that it was made of, and the vertices of the mesh, within a stage
+/// of the launcher's. Two launches, none where there are no references.
+void launch_layout_refit(Launcher& launcher, const LayoutSettings& settings, const LayoutInput& scene,
+                         const Block& place);
+
+}  // namespace clbvh::device
