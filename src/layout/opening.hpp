@@ -14,6 +14,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "core/simd/float4.hpp"
 #include "core/simd/prefetch.hpp"
+#include "layout/octant_slots.hpp"
 
 // How nodes of two children become nodes of many: which nodes of the binary tree are the children of each wide node,
 // and which primitives share a leaf. What is written of that is each layout's own.
@@ -44,14 +45,22 @@ struct Piece {
     std::uint32_t first_block = 0;
 };
 
+/// In which order the children of a node are.
+enum class Slots {
+    by_area,   ///< Large ones first: rays that look for any hit try them in this order. None is missing between others.
+    by_octant  ///< See OctantSlots.
+};
+
 /// Width: children a node. Joined: most primitives of several leaves that are joined to one. MaxLeaf: most primitives
 /// of a leaf; larger ones get nodes of their own. Block: primitives of a block.
-template <std::uint32_t WidthValue, std::uint32_t JoinedValue, std::uint32_t MaxLeafValue, std::uint32_t BlockValue>
+template <std::uint32_t WidthValue, std::uint32_t JoinedValue, std::uint32_t MaxLeafValue, std::uint32_t BlockValue,
+          Slots SlotsValue = Slots::by_area>
 struct OpeningRules {
     static constexpr std::uint32_t Width = WidthValue;
     static constexpr std::uint32_t Joined = JoinedValue;
     static constexpr std::uint32_t MaxLeaf = MaxLeafValue;
     static constexpr std::uint32_t Block = BlockValue;
+    static constexpr bool kHasGaps = SlotsValue == Slots::by_octant;  ///< Between the children of a node.
     static_assert(Joined <= Block && Block <= std::tuple_size_v<Places>);
 
     static constexpr std::uint32_t kLeaf = 1U << 31U;
@@ -78,11 +87,12 @@ public:
     void open(const Item& item, OpenedNode<Width>& opened, std::uint32_t& next_number, std::vector<Item>& queue) {
         piece_.depth = std::max(piece_.depth, item.depth);
         const std::uint32_t count = item.count > 0 ? divide_range(item) : open_node(item.node);
-        const std::array<std::uint8_t, Width> order = order_by_area();
+        const std::array<std::uint8_t, Width> order = children_in_slots(count);
         opened.nodes.fill(kNone);
         opened.children.fill(kNone);
-        for (std::uint32_t slot = 0; slot < count; ++slot) {
+        for (std::uint32_t slot = 0; slot < (Rules::kHasGaps ? Width : count); ++slot) {
             const std::uint32_t child = order[slot];
+            if (Rules::kHasGaps && child == kNoChild) continue;
             opened.nodes[slot] = node_[child];
             if (kind_[child] == Kind::inner || kind_[child] == Kind::large_leaf) {
                 const bool is_range = kind_[child] == Kind::large_leaf;
@@ -200,7 +210,18 @@ private:
         return area <= 0.0f;
     }
 
-    /// Large children first: rays that look for any hit try them in this order. Those that are not there come last.
+    [[nodiscard]] std::array<std::uint8_t, Width> children_in_slots(std::uint32_t count) const {
+        if constexpr (Rules::kHasGaps) {
+            std::array<Box4, Width> boxes;
+            for (std::uint32_t child = 0; child < count; ++child)
+                boxes[child] = Box4::of(nodes_[node_[child]]);
+            return OctantSlots(boxes, count).child_in();
+        } else {
+            return order_by_area();
+        }
+    }
+
+    /// Those that are not there come last.
     [[nodiscard]] std::array<std::uint8_t, Width> order_by_area() const {
         std::array<std::uint8_t, Width> order{};
         for (std::uint32_t i = 0; i < Width; ++i) {

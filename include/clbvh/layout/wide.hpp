@@ -8,6 +8,7 @@
 #include "clbvh/core/primitives.hpp"
 #include "clbvh/export.h"
 #include "clbvh/layout/layout_array.hpp"
+#include "clbvh/layout/make_layout.hpp"
 #include "clbvh/layout/triangle_block.hpp"
 
 namespace clbvh {
@@ -75,14 +76,6 @@ struct WideLayout {
 using Wide4 = WideLayout<4>;
 using Wide8 = WideLayout<8>;
 
-/// How a layout is made.
-struct LayoutOptions {
-    std::uint32_t thread_count = 0;  ///< 1 to 1024; 0: all.
-    /// False for a tree that is known to be one over these primitives, as a builder's is: what is wrong with another
-    /// then goes unnoticed, and the behaviour is undefined.
-    bool check = true;
-};
-
 /// Makes the layout of a tree over triangles, with all threads. The same bytes with any number of them.
 /// The node with the largest box is opened again and again until there are `Width` children.
 /// `result` is made anew in the memory that it has.
@@ -90,14 +83,6 @@ struct LayoutOptions {
 /// more than 2^28 - 1 blocks, Error(out_of_memory). `result` is then empty.
 CLBVH_API void make_layout(const Bvh& bvh, const MeshView& mesh, Wide8& result, const LayoutOptions& options = {});
 CLBVH_API void make_layout(const Bvh& bvh, const MeshView& mesh, Wide4& result, const LayoutOptions& options = {});
-
-/// The same into a new one: make_layout<clbvh::Wide8>(bvh, mesh).
-template <typename Layout>
-[[nodiscard]] Layout make_layout(const Bvh& bvh, const MeshView& mesh, const LayoutOptions& options = {}) {
-    Layout result;
-    make_layout(bvh, mesh, result, options);
-    return result;
-}
 
 /// Gives a layout the vertices of a mesh that has moved, and the boxes that these ask for, in place and with all
 /// threads; its structure stays. O(n) time. No ray may be traced through it meanwhile.

@@ -23,12 +23,6 @@ bool is_finite(const Point& p) {
     return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-bool hits_nothing(const Ray& ray) {
-    const Point direction = point(ray.direction);
-    return !is_finite(point(ray.origin)) || !is_finite(direction) || direction == Point{} || std::isnan(ray.t_min) ||
-           std::isnan(ray.t_max) || ray.t_min > ray.t_max;
-}
-
 /// a * b - c * d, with the sign of the exact value, and never -0. Products of floats are exact in double precision.
 float edge_function(float a, float b, float c, float d) {
     const float rounded = a * b - c * d;
@@ -61,24 +55,6 @@ std::optional<Hit> watertight(const std::array<Point, 3>& vertices, const Ray& r
     if (sum == 0.0f) return std::nullopt;
     const float t = (weights[0] * z[0] + weights[1] * z[1] + weights[2] * z[2]) / sum;
     return Hit{t, weights[1] / sum, weights[2] / sum, 0};
-}
-
-/// Where the ray, from its beginning to its end, is in the box of the vertices, with some slack at the end; or nothing.
-/// A slab that a comparison with NaN concerns is left out.
-std::optional<float> entry_of_box(const std::array<Point, 3>& vertices, const Ray& ray) {
-    const Point o = point(ray.origin), d = point(ray.direction);
-    float entry = std::max(ray.t_min, 0.0f), exit = ray.t_max;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto [lower, upper] = std::minmax({vertices[0][axis], vertices[1][axis], vertices[2][axis]});
-        const float inverse = 1.0f / d[axis];
-        const float to_lower = (lower - o[axis]) * inverse, to_upper = (upper - o[axis]) * inverse;
-        const bool is_backwards = std::signbit(d[axis]);
-        const float first = is_backwards ? to_upper : to_lower, last = is_backwards ? to_lower : to_upper;
-        if (first > entry) entry = first;
-        if (last < exit) exit = last;
-    }
-    if (entry <= exit * (1.0f + 1.0f / 262144)) return entry;
-    return std::nullopt;
 }
 
 Point cross(const Point& a, const Point& b) {
@@ -210,23 +186,56 @@ private:
     Aabb box_;
 };
 
+Aabb box_of(const std::array<Point, 3>& vertices) {
+    Aabb box;
+    for (const Point& v : vertices)
+        box = merge(box, Vec3{v[0], v[1], v[2]});
+    return box;
+}
+
 }  // namespace
+
+bool hits_nothing(const Ray& ray) {
+    const Point direction = point(ray.direction);
+    return !is_finite(point(ray.origin)) || !is_finite(direction) || direction == Point{} || std::isnan(ray.t_min) ||
+           std::isnan(ray.t_max) || ray.t_min > ray.t_max;
+}
+
+std::optional<float> entry_of_box(const Aabb& box, const Ray& ray) {
+    const Point o = point(ray.origin), d = point(ray.direction);
+    const Point lower = point(box.lower), upper = point(box.upper);
+    float entry = std::max(ray.t_min, 0.0f), exit = ray.t_max;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float inverse = 1.0f / d[axis];
+        const float to_lower = (lower[axis] - o[axis]) * inverse, to_upper = (upper[axis] - o[axis]) * inverse;
+        const bool is_backwards = std::signbit(d[axis]);
+        const float first = is_backwards ? to_upper : to_lower, last = is_backwards ? to_lower : to_upper;
+        if (first > entry) entry = first;
+        if (last < exit) exit = last;
+    }
+    if (entry <= exit * (1.0f + 1.0f / 262144)) return entry;
+    return std::nullopt;
+}
+
+std::optional<Hit> hit_of_triangle(const Mesh& mesh, std::uint32_t triangle, const Ray& ray, TriangleTest test) {
+    std::array<Point, 3> vertices{};
+    for (std::size_t corner = 0; corner < 3; ++corner)
+        vertices[corner] = point(mesh.vertices[mesh.triangles[triangle][corner]]);
+    auto hit = test == TriangleTest::watertight ? watertight(vertices, ray) : moller_trumbore(vertices, ray);
+    if (!hit || !(hit->t >= std::max(ray.t_min, 0.0f)) || !(hit->t <= ray.t_max)) return std::nullopt;
+    const std::optional<float> entry = entry_of_box(box_of(vertices), ray);
+    if (!entry) return std::nullopt;
+    if (*entry > hit->t * (1.0f + 1.0f / 262144)) hit->t = *entry;
+    if (!(hit->t <= ray.t_max)) return std::nullopt;
+    hit->primitive = triangle;
+    return hit;
+}
 
 std::vector<Hit> brute_force_all(const Mesh& mesh, const Ray& ray, TriangleTest test) {
     std::vector<Hit> hits;
     if (hits_nothing(ray)) return hits;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        std::array<Point, 3> vertices{};
-        for (std::size_t corner = 0; corner < 3; ++corner)
-            vertices[corner] = point(mesh.vertices[mesh.triangles[i][corner]]);
-        auto hit = test == TriangleTest::watertight ? watertight(vertices, ray) : moller_trumbore(vertices, ray);
-        if (!hit || !(hit->t >= std::max(ray.t_min, 0.0f)) || !(hit->t <= ray.t_max)) continue;
-        const std::optional<float> entry = entry_of_box(vertices, ray);
-        if (!entry) continue;
-        if (*entry > hit->t * (1.0f + 1.0f / 262144)) hit->t = *entry;
-        if (!(hit->t <= ray.t_max)) continue;
-        hit->primitive = static_cast<std::uint32_t>(i);
-        hits.push_back(*hit);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        if (const std::optional<Hit> hit = hit_of_triangle(mesh, i, ray, test)) hits.push_back(*hit);
     }
     std::ranges::stable_sort(hits, {}, &Hit::t);
     return hits;

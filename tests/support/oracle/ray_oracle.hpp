@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -7,6 +9,17 @@
 #include "clbvh/core/ray.hpp"
 
 namespace clbvh::test {
+
+/// True for a ray that hits nothing whatever the scene is.
+[[nodiscard]] bool hits_nothing(const Ray& ray);
+
+/// Where the ray, from its beginning to its end, is in the box, with some slack at the end; or nothing. A slab that a
+/// comparison with NaN concerns is left out.
+[[nodiscard]] std::optional<float> entry_of_box(const Aabb& box, const Ray& ray);
+
+/// The hit of the ray, which may hit something, with one triangle of the mesh, if there is one.
+[[nodiscard]] std::optional<Hit> hit_of_triangle(const Mesh& mesh, std::uint32_t triangle, const Ray& ray,
+                                                 TriangleTest test = TriangleTest::watertight);
 
 /// Every hit of the ray with any triangle of the mesh, found without a tree, ordered by t, then by primitive.
 [[nodiscard]] std::vector<Hit> brute_force_all(const Mesh& mesh, const Ray& ray,
