@@ -5,7 +5,17 @@ function(clbvh_embed_kernels output)
     OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} "-DOUTPUT=${output}" "-DROOT=${PROJECT_SOURCE_DIR}" "-DFILES=${ARGN}"
       -P ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake
-    DEPENDS ${ARGN} ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake
+    DEPENDS ${ARGN} ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake ${PROJECT_SOURCE_DIR}/cmake/raw_string.cmake
     COMMENT "Embedding kernels"
+    VERBATIM)
+endfunction()
+
+# clbvh_embed_trace(OUTPUT FILE): writes the C++ source of clbvh::embed_source(), which is the text of FILE.
+function(clbvh_embed_trace output file)
+  add_custom_command(
+    OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} "-DOUTPUT=${output}" "-DFILE=${file}" -P ${PROJECT_SOURCE_DIR}/cmake/embed_trace.cmake
+    DEPENDS ${file} ${PROJECT_SOURCE_DIR}/cmake/embed_trace.cmake ${PROJECT_SOURCE_DIR}/cmake/raw_string.cmake
+    COMMENT "Embedding the kernel code for callers"
     VERBATIM)
 endfunction()

@@ -6,10 +6,12 @@ endif()
 include(CMakePackageConfigHelpers)
 
 set(clbvh_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/clbvh)
+set(clbvh_kernel_dir ${CMAKE_INSTALL_DATADIR}/clbvh/kernels)  # what callers include into programs of their own
 file(RELATIVE_PATH clbvh_pc_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 string(REGEX REPLACE "/$" "" clbvh_pc_prefix ${clbvh_pc_prefix})
 cmake_path(APPEND clbvh_pc_libdir "\${prefix}" ${CMAKE_INSTALL_LIBDIR})
 cmake_path(APPEND clbvh_pc_includedir "\${prefix}" ${CMAKE_INSTALL_INCLUDEDIR})
+cmake_path(APPEND clbvh_pc_kerneldir "\${prefix}" ${clbvh_kernel_dir})
 
 # What C programs need beside what their compiler links: the C++ runtime.
 set(clbvh_cxx_runtime ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
@@ -29,6 +31,7 @@ function(clbvh_package suffix kind)
   endif()
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/clbvh DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} ${ARGN}
     FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" ${left_out})
+  install(FILES ${PROJECT_SOURCE_DIR}/kernels/embed/clbvh_trace.clh DESTINATION ${clbvh_kernel_dir} ${ARGN})
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} ${ARGN})
 
   # CMake package. A static library hands what it links to its consumer; a shared one has linked it already.
@@ -42,6 +45,7 @@ function(clbvh_package suffix kind)
   endif()
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/clbvh-config.cmake.in ${build_dir}/clbvh-config.cmake
     INSTALL_DESTINATION ${clbvh_package_dir}
+    PATH_VARS clbvh_kernel_dir
     NO_SET_AND_CHECK_MACRO)
   write_basic_package_version_file(${build_dir}/clbvh-config-version.cmake COMPATIBILITY SameMinorVersion)
   # CMake makes files of one name and destination only once, hence the suffix.

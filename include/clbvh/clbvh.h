@@ -185,6 +185,10 @@ CLBVH_API const uint32_t* clbvh_primitive_ids(const clbvh_builder* builder, uint
     boxes cover the triangle together, and there may be more ids than triangles. */
 CLBVH_API int clbvh_has_split_references(const clbvh_builder* builder);
 
+/** Source text in OpenCL C 1.2 that traces rays through the tree inside kernels of the caller's own; never null, and
+    never freed. See clbvh::embed_source and docs/embed.md. */
+CLBVH_API const char* clbvh_embed_source(void);
+
 /** The message of this thread's last failed call, valid until its next; "" before the first, never null. At most 4095
     bytes: longer ones are cut. */
 CLBVH_API const char* clbvh_last_error(void);

@@ -332,6 +332,10 @@ int clbvh_has_split_references(const clbvh_builder* builder) {
     return builder != nullptr && builder->bvh.split_references ? 1 : 0;
 }
 
+const char* clbvh_embed_source(void) {
+    return clbvh::embed_source().data();
+}
+
 const char* clbvh_last_error(void) {
     return clbvh::c::last_message();
 }

@@ -4,7 +4,9 @@
 
 #include <bit>
 
+#include "clbvh/core/mesh.hpp"
 #include "clbvh/host/sweep_sah.hpp"
+#include "clbvh/layout/traverse.hpp"
 #include "clbvh/trace/traverse.hpp"
 
 namespace clbvh::test {
@@ -64,15 +66,39 @@ struct AxisRay {
     }
 };
 
-bool is_right(const std::vector<Corner>& corners, const Bvh& tree, const AxisRay& axis_ray) {
-    std::vector<int> visits(corners.size(), 0);
-    traverse(tree.nodes, axis_ray.ray(), [&](std::uint32_t first, std::uint32_t count, float&) {
+/// A tree over boxes, and a layout over triangles that have these boxes.
+struct Trees {
+    Bvh binary;
+    Wide8 wide;
+
+    explicit Trees(const std::vector<Aabb>& boxes) : binary(build_sweep_sah(boxes)) {
+        Mesh mesh;
+        for (const Aabb& box : boxes) {
+            const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+            mesh.vertices.insert(mesh.vertices.end(), {box.lower, box.upper, {box.lower.x, box.upper.y, box.lower.z}});
+            mesh.triangles.push_back({first, first + 1, first + 2});
+        }
+        make_layout(binary, mesh, wide);
+    }
+};
+
+bool is_right(const std::vector<Corner>& corners, const Trees& trees, const AxisRay& axis_ray) {
+    std::vector<int> visits(corners.size(), 0), wide_visits(corners.size(), 0);
+    traverse(trees.binary.nodes, axis_ray.ray(), [&](std::uint32_t first, std::uint32_t count, float&) {
         for (std::uint32_t i = first; i < first + count; ++i)
-            ++visits[tree.primitive_ids[i]];
+            ++visits[trees.binary.primitive_ids[i]];
+        return true;
+    });
+    traverse(trees.wide, axis_ray.ray(), [&](std::span<const TriangleBlock> blocks, float&) {
+        for (const TriangleBlock& block : blocks) {
+            for (const std::uint32_t primitive : block.primitives) {
+                if (primitive != kNoPrimitive) ++wide_visits[primitive];
+            }
+        }
         return true;
     });
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (axis_ray.is_within(corners[i]) && visits[i] != 1) return false;
+        if (axis_ray.is_within(corners[i]) && (visits[i] != 1 || wide_visits[i] != 1)) return false;
     }
     return true;
 }
@@ -109,7 +135,7 @@ AxisRaysFound AXIS_RAYS() {
         boxes.push_back(box_at(corner));
         all = merge(all, boxes.back());
     }
-    const Bvh tree = build_sweep_sah(boxes);
+    const Trees trees(boxes);
     AxisRaysFound found;
     found.bounds = all;
     found.invalid_traced = count_traced_among_invalid();
@@ -119,7 +145,7 @@ AxisRaysFound AXIS_RAYS() {
                 for (const int u : {-1, 0, 1, 2, 3, 4, 13, 14, 18}) {
                     for (const int v : {-1, 0, 1, 2, 3, 4, 13, 14, 18}) {
                         ++found.rays;
-                        if (!is_right(corners, tree, {axis, is_forward, u, v, zero_signs})) ++found.wrong;
+                        if (!is_right(corners, trees, {axis, is_forward, u, v, zero_signs})) ++found.wrong;
                     }
                 }
             }

@@ -1,0 +1,15 @@
+# clbvh_raw_string(VARIABLE FILE): the text of FILE as raw string literals of C++, in pieces below the compilers' length
+# limits.
+function(clbvh_raw_string variable file)
+  set(piece_length 8000)
+  file(READ ${file} source)
+  string(LENGTH "${source}" length)
+  set(text)
+  set(begin 0)
+  while(begin LESS length)
+    string(SUBSTRING "${source}" ${begin} ${piece_length} piece)
+    string(APPEND text "R\"clbvh(${piece})clbvh\"\n")
+    math(EXPR begin "${begin} + ${piece_length}")
+  endwhile()
+  set(${variable} "${text}" PARENT_SCOPE)
+endfunction()
