@@ -159,19 +159,10 @@ KERNEL void write_pieces(OPENING_ARGUMENTS, TARGET_ARGUMENTS) {
     uint chunk = piece[PIECE_CHUNK];
     for (uint begin = 0; begin < records_of_piece; begin += RECORDS_OF_CHUNK) {
         if (begin > 0) chunk = o.next_chunks[chunk];
-        global const uint* const records = record_at(o, chunk, 0);
         const uint count = min(records_of_piece - begin, (uint)RECORDS_OF_CHUNK);
-#if LANE_SHAPE
-        fetch_records(target, binary_nodes, records, count, FETCH_IDS);
-        fetch_records(target, binary_nodes, records, count, FETCH_INDICES);
-        fetch_records(target, binary_nodes, records, count, FETCH_VERTICES);
-#endif
-        FOR_WORK_ITEMS(i, 0, WIDE_WIDTH * count) {
-            const uint record = begin + (uint)i / WIDE_WIDTH;
-            const size_t place = number > 0 && record == 0 ? root : first_node + record;
-            write_child(target, binary_nodes, records + RECORD_WORDS * (i / WIDE_WIDTH), i % WIDE_WIDTH, place,
-                        first_node, first_block);
-        }
+        // Of the chunk's first record, and that less their places in the chunk of the others.
+        const size_t next = first_node + begin, first = number > 0 && begin == 0 ? root : next;
+        write_records(target, binary_nodes, record_at(o, chunk, 0), count, first, next, first_node, first_block);
     }
 }
 

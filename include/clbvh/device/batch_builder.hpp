@@ -60,7 +60,7 @@ public:
     /// the first of their tree on, and ids from its first primitive on. DeviceResult::active_count, which must be
     /// there, is one uint a tree.
     void enqueue(cl_command_queue queue, const DeviceInput& input, const DeviceBatch& batch, const DeviceSpan& scratch,
-                 const DeviceResult& result, std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+                 const DeviceResult& result, EventList wait_list = {}, cl_event* event = nullptr);
 
     [[nodiscard]] const BuildOptions& options() const noexcept;
     [[nodiscard]] const Context& context() const noexcept;

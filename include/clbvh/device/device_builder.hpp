@@ -62,7 +62,7 @@ public:
     /// Throws Error(invalid_input) that names the first thing wrong with the arguments, before anything is enqueued;
     /// after another Error a part of the build may have been, and the memory's contents are undefined.
     void enqueue(cl_command_queue queue, const DeviceInput& input, const DeviceSpan& scratch,
-                 const DeviceResult& result, std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+                 const DeviceResult& result, EventList wait_list = {}, cl_event* event = nullptr);
 
     [[nodiscard]] const BuilderInfo& info() const noexcept;
     [[nodiscard]] const BuildOptions& options() const noexcept;

@@ -54,8 +54,8 @@ public:
     /// checked: for nodes that form no tree, for slots without a node that are not zero, and for an active count out of
     /// range the behaviour is undefined. A tree without leaves, as DeviceBuilder leaves it where no primitive is
     /// active, stays as it is.
-    void enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& scratch,
-                 std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+    void enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& scratch, EventList wait_list = {},
+                 cl_event* event = nullptr);
 
     /// Copies the tree to the device, runs the optimisers, and waits for the better tree. Takes every tree that
     /// validate() accepts. Throws Error(invalid_input) where the nodes form no tree, naming the first offender;

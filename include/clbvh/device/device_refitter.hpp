@@ -34,6 +34,9 @@ struct DeviceRefit {
     /// Two floats, offset a multiple of 4: the tree's SAH cost with the boxes that were there, and with the new ones,
     /// as RefitStats; a node with an empty box costs nothing. Compensated sums, always in the same order.
     DeviceSpan sah;
+    /// A traversal layout of this tree (DeviceScene::layout) that is refitted, too; may be left out: rays that are to
+    /// go through it are then refused until it is made anew. Offset, a multiple of 64.
+    DeviceSpan layout = {};
 };
 
 /// Gives trees in device memory the boxes that moved primitives ask for, on a queue of the caller's: nothing is
@@ -73,21 +76,22 @@ public:
     /// was enqueued before, and `event`, where given, becomes the caller's own event of their end. All memory is looked
     /// at as DeviceBuilder::enqueue does, and so is what was found wrong thrown. The values cannot be checked: for a
     /// tree with loops, and for numbers out of range, the behaviour is undefined.
-    void enqueue_order(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& order,
-                       std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+    void enqueue_order(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& order, EventList wait_list = {},
+                       cl_event* event = nullptr);
 
     /// Enqueues that leaves get the boxes of their primitives, and inner nodes those of their children. Where
     /// references were split, leaves get the boxes of whole primitives. A primitive with a NaN coordinate counts for
     /// nothing, whether it had one when the tree was built or not; a leaf with none but such becomes a box that nothing
     /// hits and that costs nothing (lower corner infinity, upper corner minus infinity). A primitive that was inactive
-    /// then is in no leaf, and stays out. Without nodes, references or primitives nothing is written but
-    /// two zeros to `sah`.
-    void enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceRefit& refit,
-                 std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+    /// then is in no leaf, and stays out. In the layout, boxes become those of the nodes that they were made of, and
+    /// vertices the new ones. Throws Error(invalid_input) where it is none of this tree, or of boxes. Without nodes,
+    /// references or primitives nothing is written but two zeros to `sah`.
+    void enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceRefit& refit, EventList wait_list = {},
+                 cl_event* event = nullptr);
 
     /// Enqueues that the tree's SAH cost, one float, is written to `sah`: one pass over its nodes, no order needed.
     void enqueue_cost(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& scratch, const DeviceSpan& sah,
-                      std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+                      EventList wait_list = {}, cl_event* event = nullptr);
 
     [[nodiscard]] const DeviceRefitterOptions& options() const noexcept;
     [[nodiscard]] const Context& context() const noexcept;

@@ -20,8 +20,9 @@ struct DeviceScene {
     /// where a layout is made.
     DeviceBvh bvh;
     DeviceTriangles triangles;  ///< The mesh that the tree was built over; rays do not look at it where there is a
-    DeviceSpan layout;          ///< traversal layout: filled by enqueue_layout of any DeviceTracer for a tree with the
-                                ///< same counts; offset, a multiple of 64.
+    DeviceSpan layout;          ///< traversal layout: filled by enqueue_layout of any DeviceTracer for this tree, with
+                                ///< the same counts; offset, a multiple of 64. See docs/trace-device.md for how one
+                                ///< that is older than its tree is noticed.
 };
 
 /// Where the parts of a traversal layout are: a Wide8, see clbvh/layout/wide.hpp and docs/layouts.md.
@@ -86,17 +87,17 @@ public:
     /// caller's own event of their end. So a build and its rays can follow each other on one queue. All memory is
     /// looked at as DeviceBuilder::enqueue does, and so is what was found wrong thrown. The values cannot be checked:
     /// for a tree with loops, and for numbers out of range in it or in the mesh, the behaviour is undefined.
-    void enqueue_layout(cl_command_queue queue, const DeviceScene& scene, std::span<const cl_event> wait_list = {},
+    void enqueue_layout(cl_command_queue queue, const DeviceScene& scene, EventList wait_list = {},
                         cl_event* event = nullptr);
 
     /// Enqueues the closest hit of each ray. Invalid rays (see Ray) hit nothing, and so does every ray where the
     /// tree has no leaves. The order of the rays does not matter to the hits, only to the time.
     void enqueue_closest(cl_command_queue queue, const DeviceScene& scene, const DeviceRays& rays,
-                         std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+                         EventList wait_list = {}, cl_event* event = nullptr);
 
     /// Enqueues, for each ray, whether there is a hit at all.
-    void enqueue_any(cl_command_queue queue, const DeviceScene& scene, const DeviceRays& rays,
-                     std::span<const cl_event> wait_list = {}, cl_event* event = nullptr);
+    void enqueue_any(cl_command_queue queue, const DeviceScene& scene, const DeviceRays& rays, EventList wait_list = {},
+                     cl_event* event = nullptr);
 
     /// Copies a tree and its triangles to the device, for the calls below; tree and mesh may go. Throws
     /// Error(invalid_input) where the tree was not built over this mesh: nodes, ids or indices out of range, or loops;

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <ranges>
+#include <span>
 #include <variant>
 
 #include "clbvh/core/primitives.hpp"
@@ -8,10 +12,41 @@
 
 namespace clbvh {
 
-/// The caller's memory: a buffer from `offset` bytes on. The buffer may be a sub-buffer.
+/// A C++ object of OpenCL's own headers, as cl::Buffer or cl::Event: called, it gives the handle that it holds.
+template <typename Object, typename Handle>
+concept OpenClObject = requires(const Object& object) {
+    { object() } -> std::convertible_to<Handle>;
+};
+
+/// The caller's memory: a buffer from `offset` bytes on. The buffer may be a sub-buffer; nobody here keeps it alive.
 struct DeviceSpan {
     cl_mem buffer = nullptr;
     std::uint64_t offset = 0;
+
+    constexpr DeviceSpan() = default;
+    constexpr DeviceSpan(cl_mem memory, std::uint64_t first = 0) : buffer(memory), offset(first) {}
+    template <OpenClObject<cl_mem> Buffer>
+    DeviceSpan(const Buffer& memory, std::uint64_t first = 0) : buffer(memory()), offset(first) {}
+};
+
+/// Events to wait for, of the caller's: any contiguous range of cl_event, or of objects that hold one and nothing else,
+/// as std::vector<cl::Event>.
+class EventList {
+public:
+    constexpr EventList() = default;
+    constexpr EventList(const cl_event* first, std::size_t count) : events_(first, count) {}
+    template <std::ranges::contiguous_range Events>
+    requires std::same_as<std::ranges::range_value_t<Events>, cl_event> EventList(const Events& events)
+        : events_(std::ranges::data(events), std::ranges::size(events)) {}
+    template <std::ranges::contiguous_range Events>
+    requires(OpenClObject<std::ranges::range_value_t<Events>, cl_event> &&
+             sizeof(std::ranges::range_value_t<Events>) == sizeof(cl_event)) EventList(const Events& events)
+        : events_(reinterpret_cast<const cl_event*>(std::ranges::data(events)), std::ranges::size(events)) {}
+
+    [[nodiscard]] constexpr std::span<const cl_event> events() const noexcept { return events_; }
+
+private:
+    std::span<const cl_event> events_;
 };
 
 /// Triangles in device memory. Strides are in bytes.

@@ -12,6 +12,7 @@
 #include "core/memory_errors.hpp"
 #include "device/api/caller_input.hpp"
 #include "device/api/caller_queue.hpp"
+#include "device/api/layout_book.hpp"
 #include "device/build/batch.hpp"
 #include "device/opencl/device_memory.hpp"
 
@@ -174,6 +175,8 @@ BatchJob BatchBuilder::State::check(const DeviceInput& input, const DeviceBatch&
     device::check_readable(table);
     for (const CallerMemory& memory : {checked.vertices, checked.indices, table})
         device::check_in_other_buffer(memory, {nodes_memory, ids, counts, work});
+    for (const CallerMemory& written : {nodes_memory, ids, work})
+        device::note_written(written);
     BatchJob job;
     job.mesh = checked.mesh;
     job.tree_count = batch.tree_count;
@@ -282,7 +285,7 @@ std::uint64_t BatchBuilder::alignment() const noexcept {
 }
 
 void BatchBuilder::enqueue(cl_command_queue queue, const DeviceInput& input, const DeviceBatch& batch,
-                           const DeviceSpan& scratch, const DeviceResult& result, std::span<const cl_event> wait_list,
+                           const DeviceSpan& scratch, const DeviceResult& result, EventList wait_list,
                            cl_event* event) {
     const State& state = *state_;
     Session& session = state.context.session();

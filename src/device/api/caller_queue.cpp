@@ -19,9 +19,9 @@ void check_queue(const Session& session, cl_command_queue queue) {
     }
 }
 
-std::vector<cl::Event> copy_events(std::span<const cl_event> events) {
+std::vector<cl::Event> copy_events(const EventList& list) {
     std::vector<cl::Event> copies;
-    for (cl_event event : events) {
+    for (cl_event event : list.events()) {
         if (event == nullptr) throw Error(ErrorCode::invalid_input, "the wait list has a null event");
         copies.emplace_back(event, true);
     }

@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "clbvh/device/opencl_handles.hpp"
+#include "clbvh/device/memory.hpp"
 #include "device/opencl/launcher.hpp"
 
 namespace clbvh::device {
@@ -12,8 +12,8 @@ namespace clbvh::device {
 /// Where and when a caller's work is enqueued.
 struct CallerQueue {
     cl_command_queue queue;
-    std::span<const cl_event> wait_list;  ///< what it waits for
-    cl_event* event;                      ///< becomes the caller's own event of its end; may be null
+    EventList wait_list;  ///< what it waits for
+    cl_event* event;      ///< becomes the caller's own event of its end; may be null
 };
 
 /// Calls `launch` with a launcher on the caller's queue, behind the wait list, and hands over the event of the end.

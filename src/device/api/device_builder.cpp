@@ -13,6 +13,7 @@
 #include "device/api/caller_input.hpp"
 #include "device/api/caller_queue.hpp"
 #include "device/api/caller_tree.hpp"
+#include "device/api/layout_book.hpp"
 #include "device/build/pipeline.hpp"
 
 namespace clbvh {
@@ -120,6 +121,8 @@ CheckedBuild DeviceBuilder::State::check(const DeviceInput& input, const DeviceS
     device::check_apart({nodes, ids, rest, checked.indices, active_count});
     for (const CallerMemory& memory : {checked.vertices, checked.indices})
         device::check_in_other_buffer(memory, {nodes, ids, rest});
+    for (const CallerMemory& written : {nodes, ids, rest})
+        device::note_written(written);
     build.mesh = checked.mesh;
     build.nodes = nodes.place;
     build.primitive_ids = ids.place;
@@ -181,7 +184,7 @@ std::uint64_t DeviceBuilder::alignment() const noexcept {
 }
 
 void DeviceBuilder::enqueue(cl_command_queue queue, const DeviceInput& input, const DeviceSpan& scratch,
-                            const DeviceResult& result, std::span<const cl_event> wait_list, cl_event* event) {
+                            const DeviceResult& result, EventList wait_list, cl_event* event) {
     const State& state = *state_;
     device::enqueue_for_caller("enqueuing a build", state.context.session(), {queue, wait_list, event},
                                [&](device::Launcher& launcher) {

@@ -11,6 +11,7 @@
 #include "core/tree_walk.hpp"
 #include "device/api/caller_queue.hpp"
 #include "device/api/caller_tree.hpp"
+#include "device/api/layout_book.hpp"
 #include "device/opencl/device_memory.hpp"
 #include "device/tree/optimize.hpp"
 
@@ -83,6 +84,8 @@ void DeviceOptimizer::State::launch(device::Launcher& launcher, const DeviceBvh&
     }
     device::check_apart({checked.nodes, rest, checked.active_count});
     device::check_in_other_buffer(checked.active_count, {checked.nodes, rest});
+    for (const CallerMemory& written : {checked.nodes, rest})
+        device::note_written(written);
     optimizers.launch(launcher, checked.tree, rest.place, 0.0);
 }
 
@@ -118,7 +121,7 @@ std::uint64_t DeviceOptimizer::alignment() const noexcept {
 }
 
 void DeviceOptimizer::enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& scratch,
-                              std::span<const cl_event> wait_list, cl_event* event) {
+                              EventList wait_list, cl_event* event) {
     const State& state = *state_;
     device::enqueue_for_caller("enqueuing optimizers", state.context.session(), {queue, wait_list, event},
                                [&](device::Launcher& launcher) { state.launch(launcher, tree, scratch); });

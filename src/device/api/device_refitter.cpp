@@ -1,12 +1,16 @@
 #include "clbvh/device/device_refitter.hpp"
 
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "clbvh/core/error.hpp"
 #include "device/api/caller_input.hpp"
 #include "device/api/caller_queue.hpp"
 #include "device/api/caller_tree.hpp"
+#include "device/api/layout_book.hpp"
 #include "device/build/bounds.hpp"
+#include "device/trace/layout.hpp"
 #include "device/tree/refit.hpp"
 #include "metrics/check_costs.hpp"
 
@@ -17,10 +21,14 @@ using device::CallerMemory;
 using device::RefitSettings;
 using device::Session;
 
+constexpr std::uint64_t kLayoutBegin = 64;
+
 RefitSettings prepare_refitting(Session& session, const DeviceRefitterOptions& options) {
     check_costs(options.costs);
     const RefitSettings settings = device::resolve_refit_settings(session, options.shape, options.costs);
-    std::vector<device::ProgramSpec> programs{device::bounds_program(settings)};
+    std::vector<device::ProgramSpec> programs{
+        device::bounds_program(settings),
+        device::layout_program(device::resolve_layout_settings(session, settings.shape))};
     for (device::ProgramSpec& program : device::refit_programs(settings))
         programs.push_back(std::move(program));
     session.prepare({programs});
@@ -42,6 +50,21 @@ CallerMemory check_sah(const Session& session, const DeviceSpan& span, std::uint
     return memory;
 }
 
+/// A layout of `tree`, whose primitives are `input`, looked at; empty where none is given.
+CallerMemory check_layout(const Session& session, const DeviceBvh& tree, const CallerMemory& nodes,
+                          const DeviceRefit& refit) {
+    if (refit.layout.buffer == nullptr) return {};
+    if (!std::holds_alternative<DeviceTriangles>(refit.input)) {
+        throw Error(ErrorCode::invalid_input, "a layout holds triangles, but the primitives are boxes");
+    }
+    CallerMemory layout = device::examine(session, "the layout", refit.layout,
+                                          device::lay_out_scene(tree.node_count, tree.reference_count).bytes);
+    device::check_aligned(layout, kLayoutBegin);
+    device::check_read_write(layout);
+    device::check_layout_of(layout, nodes);
+    return layout;
+}
+
 }  // namespace
 
 struct CLBVH_NO_EXPORT DeviceRefitter::State {
@@ -49,6 +72,7 @@ struct CLBVH_NO_EXPORT DeviceRefitter::State {
         : context(std::move(chosen_context)),
           options(chosen_options),
           settings(prepare_refitting(context.session(), options)),
+          layout_settings(device::resolve_layout_settings(context.session(), settings.shape)),
           alignment(device::view_alignment(context.session())) {}
 
     void enqueue(std::string_view what, const device::CallerQueue& on,
@@ -77,6 +101,7 @@ struct CLBVH_NO_EXPORT DeviceRefitter::State {
     Context context;
     DeviceRefitterOptions options;
     RefitSettings settings;
+    device::LayoutSettings layout_settings;
     std::uint64_t alignment;
 };
 
@@ -97,16 +122,25 @@ void DeviceRefitter::State::refit(device::Launcher& launcher, const DeviceBvh& g
     const CallerMemory scratch =
         check_views(session, "the scratch", refit.scratch, scratch_bytes(given.node_count, primitives), alignment);
     const device::CallerInput input = device::check_input(session, refit.input);
-    device::check_apart({tree.nodes, ids, order, scratch, sah, input.vertices, tree.active_count});
-    device::check_apart({tree.nodes, ids, order, scratch, sah, input.indices, tree.active_count});
-    for (const CallerMemory& memory : {input.vertices, input.indices, tree.active_count, sah})
+    const CallerMemory traced = check_layout(session, given, tree.nodes, refit);
+    device::check_apart({tree.nodes, ids, order, scratch, sah, traced, input.vertices, tree.active_count});
+    device::check_apart({tree.nodes, ids, order, scratch, sah, traced, input.indices, tree.active_count});
+    for (const CallerMemory& memory : {input.vertices, input.indices, tree.active_count, sah, traced})
         device::check_in_other_buffer(memory, {tree.nodes, ids, order, scratch});
     device::ArrayLayout layout(scratch.place);
     const Scratch views = cut_scratch(layout, given.node_count, primitives);
     launcher.begin_stage("refit", 0.0);
     device::launch_bounds(launcher, settings, views.bounds, input.mesh);
-    device::launch_refit(launcher, settings, tree.tree, device::view_of(ids.place, 0, ids.bytes), views.bounds.boxes,
-                         order.place, views.refit, sah.given);
+    for (const CallerMemory& written : {tree.nodes, scratch})
+        device::note_written(written);
+    const cl::Buffer ids_view = device::view_of(ids.place, 0, ids.bytes);
+    device::launch_refit(launcher, settings, tree.tree, ids_view, views.bounds.boxes, order.place, views.refit,
+                         sah.given);
+    if (!traced.is_there()) return;
+    device::note_layout(traced, tree.nodes);
+    device::launch_layout_refit(
+        launcher, layout_settings,
+        {given.node_count, given.reference_count, {tree.tree.nodes}, {ids_view}, {}, input.mesh}, traced.given);
 }
 
 DeviceRefitter::DeviceRefitter(Context context, const DeviceRefitterOptions& options)
@@ -125,7 +159,7 @@ std::uint64_t DeviceRefitter::alignment() const noexcept {
 }
 
 void DeviceRefitter::enqueue_order(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& order,
-                                   std::span<const cl_event> wait_list, cl_event* event) {
+                                   EventList wait_list, cl_event* event) {
     const State& state = *state_;
     const Session& session = state.context.session();
     state.enqueue("enqueuing an order", {queue, wait_list, event}, [&](device::Launcher& launcher) {
@@ -140,14 +174,14 @@ void DeviceRefitter::enqueue_order(cl_command_queue queue, const DeviceBvh& tree
 }
 
 void DeviceRefitter::enqueue(cl_command_queue queue, const DeviceBvh& tree, const DeviceRefit& refit,
-                             std::span<const cl_event> wait_list, cl_event* event) {
+                             EventList wait_list, cl_event* event) {
     const State& state = *state_;
     state.enqueue("enqueuing a refit", {queue, wait_list, event},
                   [&](device::Launcher& launcher) { state.refit(launcher, tree, refit); });
 }
 
 void DeviceRefitter::enqueue_cost(cl_command_queue queue, const DeviceBvh& tree, const DeviceSpan& scratch,
-                                  const DeviceSpan& sah, std::span<const cl_event> wait_list, cl_event* event) {
+                                  const DeviceSpan& sah, EventList wait_list, cl_event* event) {
     const State& state = *state_;
     const Session& session = state.context.session();
     state.enqueue("enqueuing a cost", {queue, wait_list, event}, [&](device::Launcher& launcher) {

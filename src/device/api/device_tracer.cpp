@@ -11,6 +11,7 @@
 #include "device/api/caller_input.hpp"
 #include "device/api/caller_queue.hpp"
 #include "device/api/caller_tree.hpp"
+#include "device/api/layout_book.hpp"
 #include "device/trace/host_scene.hpp"
 #include "device/trace/trace.hpp"
 #include "layout/check_tree.hpp"
@@ -96,6 +97,7 @@ CheckedScene check_scene(const Session& session, const DeviceScene& given) {
     } else {
         checked.layout = examine_layout(session, given);
         device::check_readable(checked.layout);
+        device::check_layout_of(checked.layout, checked.nodes);
         checked.scene.layout = checked.layout.given;
     }
     return checked;
@@ -122,6 +124,7 @@ TraceRays check_rays(const Session& session, const CheckedScene& scene, const De
     for (const CallerMemory& written : {results, scratch, counts}) {
         device::check_read_write(written);
         scene.check_apart_from(written);
+        device::note_written(written);
     }
     TraceRays checked;
     checked.count = given.count;
@@ -142,7 +145,7 @@ struct CLBVH_NO_EXPORT DeviceTracer::State {
           settings(prepare_tracing(context.session(), options)) {}
 
     void enqueue_trace(cl_command_queue queue, const DeviceScene& given, const DeviceRays& rays, bool any,
-                       std::span<const cl_event> wait_list, cl_event* event) const {
+                       EventList wait_list, cl_event* event) const {
         Session& session = context.session();
         device::enqueue_for_caller("enqueuing rays", session, {queue, wait_list, event}, [&](Launcher& launcher) {
             const CheckedScene scene = check_scene(session, given);
@@ -183,7 +186,7 @@ DeviceWide8 DeviceTracer::wide8_of(const DeviceScene& scene) noexcept {
     return {part(parts.header), part(parts.nodes), part(parts.blocks)};
 }
 
-void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& scene, std::span<const cl_event> wait_list,
+void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& scene, EventList wait_list,
                                   cl_event* event) {
     const State& state = *state_;
     Session& session = state.context.session();
@@ -198,6 +201,7 @@ void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& sce
         checked.check_apart_from(out);
         device::check_apart({out, active_count});
         launcher.begin_stage("layout", 0.0);
+        device::note_layout(out, checked.nodes);
         device::launch_layout(launcher, state.settings.layout,
                               {checked.scene.node_count, checked.scene.reference_count, checked.scene.nodes,
                                checked.scene.primitive_ids, active_count.given, checked.scene.mesh},
@@ -206,12 +210,12 @@ void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& sce
 }
 
 void DeviceTracer::enqueue_closest(cl_command_queue queue, const DeviceScene& scene, const DeviceRays& rays,
-                                   std::span<const cl_event> wait_list, cl_event* event) {
+                                   EventList wait_list, cl_event* event) {
     state_->enqueue_trace(queue, scene, rays, false, wait_list, event);
 }
 
 void DeviceTracer::enqueue_any(cl_command_queue queue, const DeviceScene& scene, const DeviceRays& rays,
-                               std::span<const cl_event> wait_list, cl_event* event) {
+                               EventList wait_list, cl_event* event) {
     state_->enqueue_trace(queue, scene, rays, true, wait_list, event);
 }
 

@@ -2,6 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 
+#include "clbvh/device/device_optimizer.hpp"
+#include "clbvh/device/device_refitter.hpp"
 #include "clbvh/device/device_tracer.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/layout/wide.hpp"
@@ -9,9 +11,12 @@
 #include "support/builders.hpp"
 #include "support/device_rays.hpp"
 #include "support/device_tree.hpp"
+#include "support/expect_error.hpp"
 #include "support/found_rays.hpp"
 #include "support/hard_trees.hpp"
 #include "support/meshes.hpp"
+#include "support/opencl_calls.hpp"
+#include "support/refit_memory.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -165,4 +170,182 @@ TEST_CASE("device layout: trees of the device's own, with inactive primitives an
             expect_host_layout(scene, make_layout<Wide8>(bvh, mesh));
         }
     }
+}
+
+namespace {
+
+Mesh moved(Mesh mesh, float way) {
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        const auto phase = static_cast<float>(i % 97);
+        mesh.vertices[i].x += way * std::sin(phase);
+        mesh.vertices[i].z += way * std::cos(3 * phase);
+    }
+    return mesh;
+}
+
+/// What refits of an uploaded scene take.
+struct Refits {
+    DeviceRefitter refitter;
+    DeviceScene scene;
+    cl::Buffer order, scratch, sah;
+
+    Refits(const DeviceScene& refitted, Shape shape)
+        : refitter(make_refitter(shape)),
+          scene(refitted),
+          order(filled_buffer(sizes().order)),
+          scratch(filled_buffer(std::max(sizes().scratch, sizes().cost_scratch))),
+          sah(filled_buffer(8)) {
+        refitter.enqueue_order(queue()(), scene.bvh, order);
+    }
+    [[nodiscard]] DeviceRefitSizes sizes() const { return refitter.sizes(scene.bvh.node_count, scene.triangles.count); }
+    void enqueue(const DeviceSpan& layout) {
+        refitter.enqueue(queue()(), scene.bvh, {scene.triangles, order, scratch, sah, layout});
+    }
+};
+
+void write_vertices(const UploadedScene& uploaded, const Mesh& mesh) {
+    queue().enqueueWriteBuffer(uploaded.vertices, CL_TRUE, 0, mesh.vertices.size() * sizeof(Vec3),
+                               mesh.vertices.data());
+}
+
+void expect_stale(DeviceTracer& tracer, const DeviceScene& scene, const DeviceRays& rays) {
+    const OpenClCalls calls = opencl_calls_of([&] {
+        expect_error(ErrorCode::invalid_input, {"the layout", "none of this tree", "refitted since"},
+                     [&] { tracer.enqueue_closest(queue()(), scene, rays); });
+        expect_error(ErrorCode::invalid_input, {"the layout"}, [&] { tracer.enqueue_any(queue()(), scene, rays); });
+    });
+    CHECK(calls.launches == 0);
+}
+
+void expect_hits(DeviceTracer& tracer, const DeviceScene& scene, const DeviceRayMemory& memory, const Found& expected) {
+    Found found = expected;
+    tracer.enqueue_closest(queue()(), scene, memory.rays());
+    found.hits = memory.hits();
+    found.closest_counts = memory.counts();
+    check_same(found, expected);
+    DeviceRays uncounted = memory.rays();
+    uncounted.counts = {};
+    tracer.enqueue_closest(queue()(), scene, uncounted);
+    found.hits = memory.hits();
+    tracer.enqueue_any(queue()(), scene, uncounted);
+    found.is_hit = memory.bytes();
+    check_same(found, expected);
+}
+
+}  // namespace
+
+TEST_CASE("device layout: refitted behind its tree it is the host's refitted layout, and gives the tree's hits") {
+    const Mesh mesh = generate_scene("city", 5000);
+    for (const char* id : {"binned-sah", "sbvh"}) {
+        for (const Shape shape : {Shape::group, Shape::lane}) {
+            INFO(id << ", " << to_string(shape));
+            Bvh bvh = build(mesh, id);
+            const UploadedScene uploaded(bvh, mesh);
+            DeviceTracer tracer(shared_context(), tracer_options(shape));
+            const std::vector<Ray> rays = rays_for(mesh, 50);
+            const DeviceRayMemory memory(tracer, uploaded.scene.bvh, rays);
+            DeviceScene scene = uploaded.scene;
+            scene.layout = memory.layout();
+            tracer.enqueue_layout(queue()(), scene);
+            Refits refits(scene, shape);
+            Wide8 expected = make_layout<Wide8>(bvh, mesh);
+            for (const float way : {0.02f, 0.3f, 0.0f}) {
+                const Mesh frame = moved(mesh, way);
+                write_vertices(uploaded, frame);
+                refits.enqueue(scene.layout);
+                refit(expected, frame);
+                CHECK(difference(scene, expected).empty());
+                bvh.nodes = read_span<Node>(scene.bvh.nodes, bvh.nodes.size());
+                expect_hits(tracer, scene, memory, found_by_host(bvh, frame, TriangleTest::watertight, rays));
+                CHECK(memory.guards_are_whole());
+            }
+        }
+    }
+}
+
+TEST_CASE("device layout: one that is older than its tree is never traced") {
+    const Mesh mesh = generate_scene("soup", 3000), frame = moved(mesh, 0.1f);
+    Bvh bvh = build(mesh, "median");
+    const UploadedScene uploaded(bvh, mesh);
+    DeviceTracer tracer(shared_context());
+    const std::vector<Ray> rays = rays_for(mesh, 50);
+    const DeviceRayMemory memory(tracer, uploaded.scene.bvh, rays), other(tracer, uploaded.scene.bvh, rays);
+    DeviceScene scene = uploaded.scene, second = uploaded.scene;
+    scene.layout = memory.layout();
+    second.layout = other.layout();
+    expect_stale(tracer, scene, memory.rays());  // there is none yet
+    tracer.enqueue_layout(queue()(), scene);
+    tracer.enqueue_layout(queue()(), second);
+    Refits refits(scene, Shape::automatic);
+    refits.refitter.enqueue_cost(queue()(), scene.bvh, refits.scratch, refits.sah);
+    expect_hits(tracer, scene, memory, found_by_host(bvh, mesh, TriangleTest::watertight, rays));
+
+    // A refit of the tree and of one layout leaves the other behind; it cannot be refitted then either.
+    write_vertices(uploaded, frame);
+    refits.enqueue(scene.layout);
+    bvh.nodes = read_span<Node>(scene.bvh.nodes, bvh.nodes.size());
+    const Found expected = found_by_host(bvh, frame, TriangleTest::watertight, rays);
+    expect_hits(tracer, scene, memory, expected);
+    expect_stale(tracer, second, other.rays());
+    expect_error(ErrorCode::invalid_input, {"the layout", "none of this tree"}, [&] { refits.enqueue(second.layout); });
+    refits.enqueue({});
+    expect_stale(tracer, scene, memory.rays());
+    tracer.enqueue_layout(queue()(), scene);
+    expect_hits(tracer, scene, memory, expected);
+
+    DeviceOptimizer optimizer("treelet", shared_context());
+    const cl::Buffer scratch = filled_buffer(optimizer.scratch_bytes(scene.bvh.node_count));
+    optimizer.enqueue(queue()(), scene.bvh, scratch);
+    expect_stale(tracer, scene, memory.rays());
+    tracer.enqueue_layout(queue()(), scene);
+    DeviceScene fewer = scene;
+    fewer.bvh.node_count -= 2;
+    expect_stale(tracer, fewer, memory.rays());
+    // Memory that was used for something else is no layout any more.
+    DeviceRays into_layout = other.rays();
+    into_layout.results = memory.layout();
+    tracer.enqueue_closest(queue()(), uploaded.scene, into_layout);
+    expect_stale(tracer, scene, memory.rays());
+    queue().finish();
+}
+
+TEST_CASE("device layout: a build over the same memory is a new tree") {
+    const Mesh mesh = random_triangles(2000);
+    DeviceBuilder builder("hploc", shared_context());
+    DeviceTree tree(builder, input_layouts().front(), mesh);
+    tree.enqueue();
+    const auto& triangles = std::get<DeviceTriangles>(tree.input());
+    DeviceScene scene{DeviceBvh::of(tree.result(), triangles.count), triangles, {}};
+    DeviceTracer tracer(shared_context());
+    const std::vector<Ray> rays = rays_for(mesh, 20);
+    const DeviceRayMemory memory(tracer, scene.bvh, rays);
+    scene.layout = memory.layout();
+    tracer.enqueue_layout(queue()(), scene);
+    tracer.enqueue_closest(queue()(), scene, memory.rays());
+    tree.enqueue();
+    expect_stale(tracer, scene, memory.rays());
+    tracer.enqueue_layout(queue()(), scene);
+    expect_hits(tracer, scene, memory, found_by_host(tree.read(), mesh, TriangleTest::watertight, rays));
+}
+
+TEST_CASE("device layout: buffers and events of OpenCL's C++ headers are taken as they are") {
+    const Mesh mesh = generate_scene("soup", 500);
+    const Bvh bvh = build(mesh, "median");
+    const UploadedScene uploaded(bvh, mesh);
+    DeviceTracer tracer(shared_context());
+    const cl::Context& context = shared_context().session().context();
+    const cl::Buffer memory(context, CL_MEM_READ_WRITE, tracer.sizes(uploaded.scene.bvh).layout + 64);
+    DeviceScene scene = uploaded.scene;
+    scene.layout = {memory, 64};
+    const cl::UserEvent first(context), second(context);
+    const std::vector<cl::Event> events{first, second};
+    cl_event end = nullptr;
+    tracer.enqueue_layout(queue()(), scene, events, &end);
+    const cl::Event laid_out(end);
+    queue().flush();
+    CHECK(laid_out.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
+    cl::UserEvent(first).setStatus(CL_COMPLETE);
+    cl::UserEvent(second).setStatus(CL_COMPLETE);
+    laid_out.wait();
+    CHECK(difference(scene, make_layout<Wide8>(bvh, mesh)).empty());
 }
