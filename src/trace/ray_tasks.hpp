@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstddef>
 
 #include "clbvh/trace/tracer.hpp"
@@ -16,6 +17,17 @@ namespace clbvh::trace {
 [[nodiscard]] inline int arena_size_for(const TracerOptions& options) {
     check_range("thread_count", options.thread_count, 0, 1024);
     return arena_size(options.thread_count);
+}
+
+/// Calls `action` with the beginnings and ends of pieces of `count` rays, in parallel. Only the last one may be short.
+template <typename Action>
+void for_each_piece(tbb::task_arena& arena, std::size_t count, const Action& action) {
+    constexpr std::size_t kRaysPerPiece = 256;
+    arena.execute([&] {
+        tbb::parallel_for(std::size_t{0}, (count + kRaysPerPiece - 1) / kRaysPerPiece, [&](std::size_t piece) {
+            action(piece * kRaysPerPiece, std::min(count, (piece + 1) * kRaysPerPiece));
+        });
+    });
 }
 
 /// Calls `action` with every index below `count`, in parallel.

@@ -97,12 +97,16 @@ void Tracer::all(const Ray& ray, const std::function<bool(const Hit&)>& visit) c
 
 void Tracer::closest(std::span<const Ray> rays, std::span<Hit> hits) const {
     check_length("hits", hits.size(), rays.size());
-    for_each_ray(state_->arena, rays.size(), [&](std::size_t i) { hits[i] = state_->closest(rays[i]); });
+    for_each_piece(state_->arena, rays.size(), [&](std::size_t begin, std::size_t end) {
+        state_->wide.closest_of_many(*state_->traced, rays.subspan(begin, end - begin), hits.data() + begin);
+    });
 }
 
 void Tracer::any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) const {
     check_length("is_hit", is_hit.size(), rays.size());
-    for_each_ray(state_->arena, rays.size(), [&](std::size_t i) { is_hit[i] = state_->any(rays[i]) ? 1 : 0; });
+    for_each_piece(state_->arena, rays.size(), [&](std::size_t begin, std::size_t end) {
+        state_->wide.any_of_many(*state_->traced, rays.subspan(begin, end - begin), is_hit.data() + begin);
+    });
 }
 
 void Tracer::closest(std::span<const Ray> rays, std::span<Hit> hits, const HitFilter& filter) const {

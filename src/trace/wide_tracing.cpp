@@ -8,12 +8,14 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <span>
 #include <type_traits>
 #include <utility>
 
 #include "clbvh/trace/box_tests.hpp"
 #include "core/memory_errors.hpp"
 #include "core/simd/float4.hpp"
+#include "core/simd/prefetch.hpp"
 #include "core/simd/scalar.hpp"
 #include "trace/leaf_triangles.hpp"
 #include "trace/triangle_tests.hpp"
@@ -24,6 +26,8 @@ namespace {
 #include "trace/wide_triangles.ipp"
 // Written in terms of that.
 #include "trace/wide_tracing.ipp"
+// And in terms of both.
+#include "trace/packet_tracing.ipp"
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "clbvh/core/ray.hpp"
@@ -22,6 +23,9 @@ struct WideTracing {
     bool (*any_filtered)(const Wide8& tree, const Ray& ray, const HitFilter& filter);
     /// Every hit, in no order; one primitive may come more than once.
     void (*all)(const Wide8& tree, const Ray& ray, std::vector<Hit>& hits);
+    /// Many rays, those that lie close together as one; results[i] is that of rays[i].
+    void (*closest_of_many)(const Wide8& tree, std::span<const Ray> rays, Hit* results);
+    void (*any_of_many)(const Wide8& tree, std::span<const Ray> rays, std::uint8_t* results);
 };
 
 // For files that are compiled for one instruction set: what may throw stays out of them.

@@ -66,33 +66,19 @@ private:
     return {vertex(0), vertex(1), vertex(2)};
 }
 
-/// HitRule on the four triangles of a block.
-template <typename Floats4>
-class LanesHitRule {
+/// The ray of a rule in every lane.
+template <typename Floats>
+class RayInAllLanes {
 public:
-    explicit LanesHitRule(const HitRule& rule) noexcept : rule_(rule) {}
+    explicit RayInAllLanes(const HitRule& rule) noexcept : rule_(rule) {}
 
-    /// Which of the lanes in `hits` are hits; it may move their t.
-    [[nodiscard]] std::uint32_t accept(const TriangleBlock& block, std::uint32_t hits, Floats4& t) const noexcept {
-        const RaySlabs& slabs = rule_.slabs();
-        Floats4 entry = Floats4::filled(rule_.t_min());
-        Floats4 exit = Floats4::filled(rule_.t_max());
-        for (unsigned axis = 0; axis < 3; ++axis) {
-            const Floats4 a = Floats4::load_aligned(block.vertices[0][axis].data());
-            const Floats4 b = Floats4::load_aligned(block.vertices[1][axis].data());
-            const Floats4 c = Floats4::load_aligned(block.vertices[2][axis].data());
-            const Floats4 origin = Floats4::filled(slabs.origin(axis)), inverse = Floats4::filled(slabs.inverse(axis));
-            const Floats4 lower = (min(min(a, b), c) - origin) * inverse;
-            const Floats4 upper = (max(max(a, b), c) - origin) * inverse;
-            const bool enters_high = slabs.enters_high(axis);
-            entry = max(enters_high ? upper : lower, entry);
-            exit = min(enters_high ? lower : upper, exit);
-        }
-        const Floats4 slack = Floats4::filled(kBoxSlack);
-        const auto is_behind = less(t * slack, entry);
-        t = select(is_behind, entry, t);
-        return hits & less_equal(entry, exit * slack).bits() & less_equal(t, Floats4::filled(rule_.t_max())).bits();
+    [[nodiscard]] Floats begin() const noexcept { return Floats::filled(rule_.t_min()); }
+    [[nodiscard]] Floats end() const noexcept { return Floats::filled(rule_.t_max()); }
+    [[nodiscard]] Floats origin_of(unsigned axis) const noexcept { return Floats::filled(rule_.slabs().origin(axis)); }
+    [[nodiscard]] Floats inverse_of(unsigned axis) const noexcept {
+        return Floats::filled(rule_.slabs().inverse(axis));
     }
+    [[nodiscard]] bool enters_high(unsigned axis) const noexcept { return rule_.slabs().enters_high(axis); }
 
 private:
     const HitRule& rule_;
@@ -113,10 +99,11 @@ protected:
     /// did.
     template <typename Found>
     bool visit_hits(const TriangleBlock& block, float t_max, const Found& found) const {
-        BlockHits<Floats4> hits = lanes_.hits(block, t_max);
+        const BlockVertices<Floats4> vertices{block};
+        LaneHits<Floats4> hits = lanes_.hits(vertices, Floats4::filled(t_max));
         if ((hits.sure | hits.inexact) == 0) return true;
         if (hits.inexact != 0 && !visit_inexact(block, hits.inexact, t_max, found)) return false;
-        hits.sure = LanesHitRule<Floats4>(rule_).accept(block, hits.sure, hits.t);
+        hits.sure = accepted_hits(RayInAllLanes<Floats4>(rule_), vertices, hits.sure, hits.t);
         if (hits.sure == 0) return true;
         alignas(16) std::array<std::array<float, kBlockTriangles>, 3> values;
         hits.t.store_aligned(values[0].data());
@@ -270,11 +257,6 @@ private:
     std::vector<Hit>& hits_;
 };
 
-[[nodiscard]] inline DeferredChild deferred(const WideNode<8>& node, const std::uint32_t* entries,
-                                            std::uint32_t slot) noexcept {
-    return DeferredChild{entries[slot]} << 32U | node.children[slot];
-}
-
 /// Leaves the larger one in `a`, without a branch.
 inline void order(DeferredChild& a, DeferredChild& b) noexcept {
     const DeferredChild larger = a > b ? a : b, smaller = a > b ? b : a;
@@ -283,19 +265,19 @@ inline void order(DeferredChild& a, DeferredChild& b) noexcept {
 }
 
 /// Puts the children that are hit onto the stack, far ones first, save the nearest, which is returned. There are two at
-/// least.
-inline std::uint32_t defer_all_but_nearest(const WideNode<8>& node, const std::uint32_t* entries, std::uint32_t hits,
-                                           DeferredChild*& top) noexcept {
+/// least. `deferred(slot)` makes what is put there.
+template <typename Deferred>
+DeferredChild defer_all_but_nearest(std::uint32_t hits, const Deferred& deferred, DeferredChild*& top) noexcept {
     const auto take = [&] {
         const auto slot = static_cast<std::uint32_t>(std::countr_zero(hits));
         hits &= hits - 1;
-        return deferred(node, entries, slot);
+        return deferred(slot);
     };
     DeferredChild a = take(), b = take();
     order(a, b);
     if (hits == 0) {
         *top++ = a;
-        return static_cast<std::uint32_t>(b);
+        return b;
     }
     DeferredChild c = take();
     order(b, c);
@@ -304,7 +286,7 @@ inline std::uint32_t defer_all_but_nearest(const WideNode<8>& node, const std::u
         top[0] = a;
         top[1] = b;
         top += 2;
-        return static_cast<std::uint32_t>(c);
+        return c;
     }
     DeferredChild* const bottom = top;
     top[0] = a;
@@ -318,7 +300,7 @@ inline std::uint32_t defer_all_but_nearest(const WideNode<8>& node, const std::u
             place[0] = place[-1];
         *place = other;
     }
-    return static_cast<std::uint32_t>(*--top);
+    return *--top;
 }
 
 /// Puts the children that are hit onto the stack, last ones first, save the first, which is returned.
@@ -352,7 +334,10 @@ void walk(const Wide8& tree, Visitor& visitor, DeferredChild* const stack) {
                 } else if constexpr (Visitor::kNearFirst) {
                     std::array<std::uint32_t, kWidth> bits;
                     std::memcpy(bits.data(), entries.data(), sizeof bits);
-                    child = defer_all_but_nearest(node, bits.data(), hits, top);
+                    const auto deferred = [&](std::uint32_t slot) {
+                        return DeferredChild{bits[slot]} << 32U | node.children[slot];
+                    };
+                    child = static_cast<std::uint32_t>(defer_all_but_nearest(hits, deferred, top));
                 } else {
                     child = defer_all_but_first(node, hits, top);
                 }
@@ -382,15 +367,4 @@ auto trace(const Wide8& tree, const Ray& ray, More&... more) {
         walk<Set>(tree, visitor, stack.entries());
     }
     return visitor.result();
-}
-
-template <typename Set, typename Test>
-constexpr WideTracing kTracing{trace<Set, ClosestBlock<Set, Test>>, trace<Set, AnyBlock<Set, Test>>,
-                               trace<Set, FilteredClosestBlock<Set, Test>, const HitFilter>,
-                               trace<Set, FilteredAnyBlock<Set, Test>, const HitFilter>,
-                               trace<Set, AllBlock<Set, Test>, std::vector<Hit>>};
-
-template <typename Set>
-WideTracing tracing_of(TriangleTest test) noexcept {
-    return test == TriangleTest::watertight ? kTracing<Set, WatertightTest> : kTracing<Set, MollerTrumboreTest>;
 }

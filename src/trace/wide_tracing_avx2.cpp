@@ -6,11 +6,13 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <span>
 #include <type_traits>
 #include <utility>
 
 #include "clbvh/trace/box_tests.hpp"
 #include "core/simd/avx2.hpp"
+#include "core/simd/prefetch.hpp"
 #include "trace/leaf_triangles.hpp"
 #include "trace/triangle_tests.hpp"
 #include "trace/wide_tracing.hpp"
@@ -21,6 +23,8 @@ namespace {
 #include "trace/wide_triangles.ipp"
 // Written in terms of that.
 #include "trace/wide_tracing.ipp"
+// And in terms of both.
+#include "trace/packet_tracing.ipp"
 
 }  // namespace
 

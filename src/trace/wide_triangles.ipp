@@ -1,118 +1,191 @@
-// The triangle tests on blocks of four, in terms of the vectors of core/simd.
+// The triangle tests with a ray and a triangle in each lane, in terms of the vectors of core/simd: one ray against the
+// four triangles of a block, or eight rays against one triangle.
 
-/// Which triangles of a block a ray hits: one bit each, and where the sure ones are hit. `inexact` ones have an edge
-/// function of 0, so that the test of a single triangle has to decide.
-template <typename Floats4>
-struct BlockHits {
+/// Which lanes are hits: one bit each, and where the sure ones are. `inexact` ones have an edge function of 0, so that
+/// the test of a single triangle has to decide.
+template <typename Floats>
+struct LaneHits {
     std::uint32_t sure = 0, inexact = 0;
-    Floats4 t, u, v;
+    Floats t, u, v;
 };
 
-/// WatertightTest on four triangles.
+/// A coordinate of all triangles of a block, a triangle in each lane.
 template <typename Floats4>
+struct BlockVertices {
+    const TriangleBlock& block;
+
+    [[nodiscard]] Floats4 operator()(std::size_t vertex, std::size_t axis) const noexcept {
+        return Floats4::load_aligned(block.vertices[vertex][axis].data());
+    }
+};
+
+/// A coordinate of one triangle of a block, in every lane.
+template <typename Floats>
+struct TriangleInAllLanes {
+    const TriangleBlock& block;
+    std::size_t triangle;
+
+    [[nodiscard]] Floats operator()(std::size_t vertex, std::size_t axis) const noexcept {
+        return Floats::filled(block.vertices[vertex][axis][triangle]);
+    }
+};
+
+/// Rays side by side, one in each lane, that have the signs of their directions and their shear axes in common.
+template <typename Floats>
+struct PacketRays {
+    std::array<Floats, 3> origin, direction, inverse;
+    Floats t_min, t_max;
+    std::array<bool, 3> is_negative;  ///< Of the direction.
+    unsigned shear_x, shear_y, shear_z;
+
+    [[nodiscard]] Floats begin() const noexcept { return t_min; }
+    [[nodiscard]] Floats end() const noexcept { return t_max; }
+    [[nodiscard]] Floats origin_of(unsigned axis) const noexcept { return origin[axis]; }
+    [[nodiscard]] Floats inverse_of(unsigned axis) const noexcept { return inverse[axis]; }
+    [[nodiscard]] bool enters_high(unsigned axis) const noexcept { return is_negative[axis]; }
+};
+
+template <typename Floats>
+inline constexpr std::uint32_t kAllLanes = (1U << Floats::kCount) - 1;
+
+/// WatertightTest in each lane.
+template <typename Floats>
 class WatertightLanes {
 public:
     WatertightLanes(const WatertightTest& test, const Ray&, float t_min) noexcept
         : x_(test.shear().x),
           y_(test.shear().y),
           z_(test.shear().z),
-          origin_{Floats4::filled(test.shear().origin[x_]), Floats4::filled(test.shear().origin[y_]),
-                  Floats4::filled(test.shear().origin[z_])},
-          factors_{Floats4::filled(test.shear().factor_x), Floats4::filled(test.shear().factor_y),
-                   Floats4::filled(test.shear().factor_z)},
-          t_min_(Floats4::filled(t_min)) {}
+          origin_{Floats::filled(test.shear().origin[x_]), Floats::filled(test.shear().origin[y_]),
+                  Floats::filled(test.shear().origin[z_])},
+          factors_{Floats::filled(test.shear().factor_x), Floats::filled(test.shear().factor_y),
+                   Floats::filled(test.shear().factor_z)},
+          t_min_(Floats::filled(t_min)) {}
+
+    /// Of rays that have the same shear axes.
+    explicit WatertightLanes(const PacketRays<Floats>& rays) noexcept
+        : x_(rays.shear_x),
+          y_(rays.shear_y),
+          z_(rays.shear_z),
+          origin_{rays.origin[x_], rays.origin[y_], rays.origin[z_]},
+          factors_{rays.direction[x_] / rays.direction[z_], rays.direction[y_] / rays.direction[z_], rays.inverse[z_]},
+          t_min_(rays.t_min) {}
 
     /// All sure ones are between the ray's beginning and t_max.
-    BlockHits<Floats4> hits(const TriangleBlock& block, float t_max) const noexcept {
-        const Sheared a = sheared(block, 0);
-        const Sheared b = sheared(block, 1);
-        const Sheared c = sheared(block, 2);
-        const Floats4 u = c.x * b.y - c.y * b.x;
-        const Floats4 v = a.x * c.y - a.y * c.x;
-        const Floats4 w = b.x * a.y - b.y * a.x;
-        const Floats4 zero = Floats4::filled(0.0f);
+    template <typename Vertices>
+    LaneHits<Floats> hits(const Vertices& vertices, Floats t_max) const noexcept {
+        const Sheared a = sheared(vertices, 0);
+        const Sheared b = sheared(vertices, 1);
+        const Sheared c = sheared(vertices, 2);
+        const Floats u = c.x * b.y - c.y * b.x;
+        const Floats v = a.x * c.y - a.y * c.x;
+        const Floats w = b.x * a.y - b.y * a.x;
+        const Floats zero = Floats::filled(0.0f);
         // A NaN among them makes the determinant, and so t, NaN too.
         const std::uint32_t outside = less(min(min(u, v), w), zero).bits() & less(zero, max(max(u, v), w)).bits();
-        const std::uint32_t inside = ~outside & 15U;
+        const std::uint32_t inside = ~outside & kAllLanes<Floats>;
         if (inside == 0) return {0, 0, zero, zero, zero};
         const std::uint32_t inexact = inside & (equal(u, zero) | equal(v, zero) | equal(w, zero)).bits();
-        const Floats4 determinant = (u + v) + w;
-        const Floats4 scaled_t = ((u * a.z) + (v * b.z)) + (w * c.z);
-        const Floats4 quotient = scaled_t / determinant;
-        const std::uint32_t in_range =
-            less_equal(t_min_, quotient).bits() & less_equal(quotient, Floats4::filled(t_max)).bits();
+        const Floats determinant = (u + v) + w;
+        const Floats scaled_t = ((u * a.z) + (v * b.z)) + (w * c.z);
+        const Floats quotient = scaled_t / determinant;
+        const std::uint32_t in_range = less_equal(t_min_, quotient).bits() & less_equal(quotient, t_max).bits();
         return {inside & ~inexact & in_range & ~equal(determinant, zero).bits(), inexact, quotient, v / determinant,
                 w / determinant};
     }
 
 private:
     struct Sheared {
-        Floats4 x, y, z;
+        Floats x, y, z;
     };
 
-    [[nodiscard]] Sheared sheared(const TriangleBlock& block, std::size_t vertex) const noexcept {
-        const auto& p = block.vertices[vertex];
-        const Floats4 z = Floats4::load_aligned(p[z_].data()) - origin_[2];
-        return {(Floats4::load_aligned(p[x_].data()) - origin_[0]) - factors_[0] * z,
-                (Floats4::load_aligned(p[y_].data()) - origin_[1]) - factors_[1] * z, factors_[2] * z};
+    template <typename Vertices>
+    [[nodiscard]] Sheared sheared(const Vertices& vertices, std::size_t vertex) const noexcept {
+        const Floats z = vertices(vertex, z_) - origin_[2];
+        return {(vertices(vertex, x_) - origin_[0]) - factors_[0] * z,
+                (vertices(vertex, y_) - origin_[1]) - factors_[1] * z, factors_[2] * z};
     }
 
     std::size_t x_, y_, z_;
-    std::array<Floats4, 3> origin_, factors_;
-    Floats4 t_min_;
+    std::array<Floats, 3> origin_, factors_;
+    Floats t_min_;
 };
 
-/// MollerTrumboreTest on four triangles.
-template <typename Floats4>
+/// MollerTrumboreTest in each lane.
+template <typename Floats>
 class MollerTrumboreLanes {
 public:
     MollerTrumboreLanes(const MollerTrumboreTest&, const Ray& ray, float t_min) noexcept
-        : origin_(filled(ray.origin)), direction_(filled(ray.direction)), t_min_(Floats4::filled(t_min)) {}
+        : origin_(filled(ray.origin)), direction_(filled(ray.direction)), t_min_(Floats::filled(t_min)) {}
+
+    explicit MollerTrumboreLanes(const PacketRays<Floats>& rays) noexcept
+        : origin_{rays.origin[0], rays.origin[1], rays.origin[2]},
+          direction_{rays.direction[0], rays.direction[1], rays.direction[2]},
+          t_min_(rays.t_min) {}
 
     /// All sure ones are between the ray's beginning and t_max.
-    BlockHits<Floats4> hits(const TriangleBlock& block, float t_max) const noexcept {
-        const Vector v0 = vertex(block, 0);
-        const Vector edge1 = difference(vertex(block, 1), v0);
-        const Vector edge2 = difference(vertex(block, 2), v0);
+    template <typename Vertices>
+    LaneHits<Floats> hits(const Vertices& vertices, Floats t_max) const noexcept {
+        const Vector v0 = vertex(vertices, 0);
+        const Vector edge1 = difference(vertex(vertices, 1), v0);
+        const Vector edge2 = difference(vertex(vertices, 2), v0);
         const Vector p = cross(direction_, edge2);
-        const Floats4 determinant = dot(edge1, p);
-        const Floats4 inverse = Floats4::filled(1.0f) / determinant;
+        const Floats determinant = dot(edge1, p);
+        const Floats inverse = Floats::filled(1.0f) / determinant;
         const Vector s = difference(origin_, v0);
         const Vector q = cross(s, edge1);
-        const Floats4 u = dot(s, p) * inverse;
-        const Floats4 v = dot(direction_, q) * inverse;
-        const Floats4 zero = Floats4::filled(0.0f);
+        const Floats u = dot(s, p) * inverse;
+        const Floats v = dot(direction_, q) * inverse;
+        const Floats zero = Floats::filled(0.0f);
         const std::uint32_t inside = less_equal(zero, u).bits() & less_equal(zero, v).bits() &
-                                     less_equal(u + v, Floats4::filled(1.0f)).bits() & ~equal(determinant, zero).bits();
+                                     less_equal(u + v, Floats::filled(1.0f)).bits() & ~equal(determinant, zero).bits();
         if (inside == 0) return {0, 0, zero, zero, zero};
-        const Floats4 product = dot(edge2, q) * inverse;
-        return {inside & less_equal(t_min_, product).bits() & less_equal(product, Floats4::filled(t_max)).bits(), 0,
-                product, u, v};
+        const Floats product = dot(edge2, q) * inverse;
+        return {inside & less_equal(t_min_, product).bits() & less_equal(product, t_max).bits(), 0, product, u, v};
     }
 
 private:
     struct Vector {
-        Floats4 x, y, z;
+        Floats x, y, z;
     };
 
     static Vector filled(const Vec3& v) noexcept {
-        return {Floats4::filled(v.x), Floats4::filled(v.y), Floats4::filled(v.z)};
+        return {Floats::filled(v.x), Floats::filled(v.y), Floats::filled(v.z)};
     }
-    static Vector vertex(const TriangleBlock& block, std::size_t i) noexcept {
-        const auto& p = block.vertices[i];
-        return {Floats4::load_aligned(p[0].data()), Floats4::load_aligned(p[1].data()),
-                Floats4::load_aligned(p[2].data())};
+    template <typename Vertices>
+    static Vector vertex(const Vertices& vertices, std::size_t i) noexcept {
+        return {vertices(i, 0), vertices(i, 1), vertices(i, 2)};
     }
     static Vector difference(const Vector& a, const Vector& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
     static Vector cross(const Vector& a, const Vector& b) noexcept {
         return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
     }
-    static Floats4 dot(const Vector& a, const Vector& b) noexcept { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
+    static Floats dot(const Vector& a, const Vector& b) noexcept { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
 
     Vector origin_, direction_;
-    Floats4 t_min_;
+    Floats t_min_;
 };
 
-template <typename Test, typename Floats4>
+template <typename Test, typename Floats>
 using LanesOf =
-    std::conditional_t<std::is_same_v<Test, WatertightTest>, WatertightLanes<Floats4>, MollerTrumboreLanes<Floats4>>;
+    std::conditional_t<std::is_same_v<Test, WatertightTest>, WatertightLanes<Floats>, MollerTrumboreLanes<Floats>>;
+
+/// HitRule in each lane. `Rays` has origin, inverse, t_min and the rays' end as vectors.
+template <typename Floats, typename Rays, typename Vertices>
+[[nodiscard]] std::uint32_t accepted_hits(const Rays& rays, const Vertices& vertices, std::uint32_t hits, Floats& t) {
+    Floats entry = rays.begin();
+    Floats exit = rays.end();
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const Floats a = vertices(0, axis), b = vertices(1, axis), c = vertices(2, axis);
+        const Floats origin = rays.origin_of(axis), inverse = rays.inverse_of(axis);
+        const Floats lower = (min(min(a, b), c) - origin) * inverse;
+        const Floats upper = (max(max(a, b), c) - origin) * inverse;
+        const bool enters_high = rays.enters_high(axis);
+        entry = max(enters_high ? upper : lower, entry);
+        exit = min(enters_high ? lower : upper, exit);
+    }
+    const Floats slack = Floats::filled(kBoxSlack);
+    const auto is_behind = less(t * slack, entry);
+    t = select(is_behind, entry, t);
+    return hits & less_equal(entry, exit * slack).bits() & less_equal(t, rays.end()).bits();
+}

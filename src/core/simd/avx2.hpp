@@ -73,6 +73,9 @@ struct Float8 {
     friend CLBVH_ALWAYS_INLINE Float8 operator*(Float8 a, Float8 b) noexcept {
         return {_mm256_mul_ps(a.lanes, b.lanes)};
     }
+    friend CLBVH_ALWAYS_INLINE Float8 operator/(Float8 a, Float8 b) noexcept {
+        return {_mm256_div_ps(a.lanes, b.lanes)};
+    }
     friend CLBVH_ALWAYS_INLINE Float8 min(Float8 a, Float8 b) noexcept { return {_mm256_min_ps(a.lanes, b.lanes)}; }
     friend CLBVH_ALWAYS_INLINE Float8 max(Float8 a, Float8 b) noexcept { return {_mm256_max_ps(a.lanes, b.lanes)}; }
     friend CLBVH_ALWAYS_INLINE Mask less(Float8 a, Float8 b) noexcept {

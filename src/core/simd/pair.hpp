@@ -19,6 +19,9 @@ struct Pair {
         [[nodiscard]] CLBVH_ALWAYS_INLINE std::uint32_t bits() const noexcept {
             return low.bits() | high.bits() << Half::kCount;
         }
+        friend CLBVH_ALWAYS_INLINE Mask operator|(const Mask& a, const Mask& b) noexcept {
+            return {a.low | b.low, a.high | b.high};
+        }
     };
 
     [[nodiscard]] static CLBVH_ALWAYS_INLINE Pair load(const float* source) noexcept {
@@ -55,11 +58,23 @@ struct Pair {
     friend CLBVH_ALWAYS_INLINE Pair operator*(const Pair& a, const Pair& b) noexcept {
         return {a.low * b.low, a.high * b.high};
     }
+    friend CLBVH_ALWAYS_INLINE Pair operator/(const Pair& a, const Pair& b) noexcept {
+        return {a.low / b.low, a.high / b.high};
+    }
     friend CLBVH_ALWAYS_INLINE Pair min(const Pair& a, const Pair& b) noexcept {
         return {min(a.low, b.low), min(a.high, b.high)};
     }
     friend CLBVH_ALWAYS_INLINE Pair max(const Pair& a, const Pair& b) noexcept {
         return {max(a.low, b.low), max(a.high, b.high)};
+    }
+    friend CLBVH_ALWAYS_INLINE Mask less(const Pair& a, const Pair& b) noexcept {
+        return {less(a.low, b.low), less(a.high, b.high)};
+    }
+    friend CLBVH_ALWAYS_INLINE Mask equal(const Pair& a, const Pair& b) noexcept {
+        return {equal(a.low, b.low), equal(a.high, b.high)};
+    }
+    friend CLBVH_ALWAYS_INLINE Pair select(const Mask& mask, const Pair& a, const Pair& b) noexcept {
+        return {select(mask.low, a.low, b.low), select(mask.high, a.high, b.high)};
     }
     friend CLBVH_ALWAYS_INLINE Mask less_equal(const Pair& a, const Pair& b) noexcept {
         return {less_equal(a.low, b.low), less_equal(a.high, b.high)};
