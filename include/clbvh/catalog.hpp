@@ -49,8 +49,8 @@ struct PresetInfo {
 /// The preset of that id; null where there is none.
 [[nodiscard]] CLBVH_API const PresetInfo* find_preset(std::string_view id) noexcept;
 
-/// `options` with the preset's values where they are left to it: empty, 0, or what a Config begins with. Its passes come
-/// with its optimisers only, and its leaves are never larger than max_leaf_size.
+/// `options` with the preset's values where they are left to it: empty, 0, or what a Config begins with. Its passes
+/// come with its optimisers only, and its leaves are never larger than max_leaf_size.
 [[nodiscard]] CLBVH_API BuildOptions with_preset(const PresetInfo& preset, BuildOptions options = {});
 
 /// The same for the id of a builder or of a preset: what a builder made with both runs with.

@@ -71,8 +71,7 @@ void FinishStage::run(Backend& backend, const Input& input, double begin, BuildS
             tree.primitive_count = input.primitive_count;
         }
         // Without a size, only leaves that came from one primitive are merged again.
-        const CollapseConfig config{std::max(options_.max_leaf_size, 1u), options_.inner_cost,
-                                    options_.primitive_cost};
+        const CollapseConfig config{std::max(options_.max_leaf_size, 1u), options_.inner_cost, options_.primitive_cost};
         host::collapse(tree, config, scratch_, result_);
     } else {
         scratch_.reset();

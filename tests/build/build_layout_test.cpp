@@ -32,7 +32,6 @@ std::vector<std::string> all_ids() {
     return ids;
 }
 
-
 }  // namespace
 
 TEST_CASE("the layout that a builder makes is that of its tree") {
