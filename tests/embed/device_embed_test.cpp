@@ -127,7 +127,7 @@ TEST_CASE("embedded: hits are the tracer's, in each layout and with each test") 
         scene.check(test);
 }
 
-// 23 s.
+// Hidden, since it takes long on two cores.
 TEST_CASE("embedded: hits of a million rays are the tracer's", "[.million]") {
     const Case scene("clustered", 100000, 84000);
     CHECK(scene.rays.size() > 1000000);
