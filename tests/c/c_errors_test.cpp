@@ -62,6 +62,8 @@ TEST_CASE("memory that runs out for good is a code of the C interface, wherever 
         clbvh_destroy_builder(builder);
         return result;
     };
+    // oneTBB waits for ever where memory runs out while it starts, so it starts before.
+    REQUIRE(build_once() == CLBVH_OK);
     long allowed = 0;
     for (;; ++allowed) {
         INFO("allocation " << allowed);
