@@ -4,20 +4,17 @@
 #include "clbvh/layout/compressed8.hpp"
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "clbvh/core/error.hpp"
-#include "core/arena_size.hpp"
-#include "core/check_field.hpp"
-#include "core/memory_errors.hpp"
 #include "core/primitive_access.hpp"
 #include "core/simd/float4.hpp"
 #include "core/simd/prefetch.hpp"
 #include "layout/check_tree.hpp"
+#include "layout/make_in_arena.hpp"
 #include "layout/opening.hpp"
 #include "layout/quantized_boxes.hpp"
 
@@ -220,20 +217,10 @@ void convert(const Bvh& bvh, const MeshView& mesh, Compressed8& result) {
 }  // namespace
 
 void make_layout(const Bvh& bvh, const MeshView& mesh, Compressed8& result, const LayoutOptions& options) {
-    check_range("thread_count", options.thread_count, 0, 1024);
-    result.clear();
-    try {
-        with_memory_errors("the layout", [&] {
-            tbb::task_arena arena(arena_size(options.thread_count));
-            arena.execute([&] {
-                if (options.check) check_tree(bvh, mesh);
-                if (!bvh.empty()) convert(bvh, mesh, result);
-            });
-        });
-    } catch (...) {
-        result.clear();
-        throw;
-    }
+    make_in_arena(result, options, [&] {
+        if (options.check) check_tree(bvh, mesh);
+        if (!bvh.empty()) convert(bvh, mesh, result);
+    });
     result.primitive_count = bvh.primitive_count;
     result.split_references = bvh.split_references;
 }

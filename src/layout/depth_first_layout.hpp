@@ -1,17 +1,13 @@
 #pragma once
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
 
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/layout/make_layout.hpp"
-#include "core/arena_size.hpp"
-#include "core/check_field.hpp"
-#include "core/memory_errors.hpp"
 #include "layout/depth_first.hpp"
+#include "layout/make_in_arena.hpp"
 #include "layout/reject_tree.hpp"
 
 // What layouts share that have one node for each of the binary tree's, in depth-first order.
@@ -57,17 +53,9 @@ void write_depth_first(const Bvh& bvh, Layout& result, const WritePart& write_pa
 /// The same from outside of an arena; on an error `result` is empty.
 template <typename Layout, typename WritePart>
 void make_depth_first(const Bvh& bvh, Layout& result, const LayoutOptions& options, const WritePart& write_part) {
-    check_range("thread_count", options.thread_count, 0, 1024);
-    result.clear();
-    try {
-        with_memory_errors("the layout", [&] {
-            tbb::task_arena arena(arena_size(options.thread_count));
-            if (!bvh.empty()) arena.execute([&] { write_depth_first(bvh, result, write_part); });
-        });
-    } catch (...) {
-        result.clear();
-        throw;
-    }
+    make_in_arena(result, options, [&] {
+        if (!bvh.empty()) write_depth_first(bvh, result, write_part);
+    });
     result.primitive_count = bvh.primitive_count;
     result.split_references = bvh.split_references;
 }

@@ -1,18 +1,15 @@
 #include "clbvh/layout/wide.hpp"
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <string>
 
 #include "clbvh/core/error.hpp"
-#include "core/arena_size.hpp"
-#include "core/check_field.hpp"
-#include "core/memory_errors.hpp"
 #include "core/primitive_access.hpp"
 #include "core/simd/float4.hpp"
 #include "layout/block_writer.hpp"
 #include "layout/check_tree.hpp"
+#include "layout/make_in_arena.hpp"
 #include "layout/opening.hpp"
 #include "layout/wide_converter.hpp"
 
@@ -74,7 +71,11 @@ void write_nodes(const Node* nodes, const Piece<Width>& piece, bool is_top, Wide
 
 template <std::uint32_t Width>
 void WideConverter<Width>::run(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result) {
-    result.clear();
+    make_or_empty(result, [&] { convert(tree, mesh, result); });
+}
+
+template <std::uint32_t Width>
+void WideConverter<Width>::convert(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result) {
     result.primitive_count = tree.primitive_count;
     if (tree.nodes.empty()) return;
     opening_.run(tree.nodes);
@@ -105,13 +106,9 @@ namespace {
 
 template <std::uint32_t Width>
 void make(const Bvh& bvh, const MeshView& mesh, WideLayout<Width>& result, const LayoutOptions& options) {
-    check_range("thread_count", options.thread_count, 0, 1024);
-    with_memory_errors("the layout", [&] {
-        tbb::task_arena arena(arena_size(options.thread_count));
-        arena.execute([&] {
-            if (options.check) check_tree(bvh, mesh);
-            WideConverter<Width>().run(view_of(bvh), mesh, result);
-        });
+    make_in_arena(result, options, [&] {
+        if (options.check) check_tree(bvh, mesh);
+        WideConverter<Width>().run(view_of(bvh), mesh, result);
     });
 }
 

@@ -29,10 +29,13 @@ using WideRules = OpeningRules<Width, kBlockTriangles, kBlockTriangles * WideChi
 template <std::uint32_t Width>
 class WideConverter {
 public:
-    /// In the current arena. The tree is one over the mesh. Throws Error(unsupported) for too many blocks.
+    /// In the current arena. The tree is one over the mesh. Throws Error(unsupported) for too many blocks, and
+    /// Error(out_of_memory) or std::bad_alloc; `result` is then empty.
     void run(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result);
 
 private:
+    void convert(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result);
+
     Opening<WideRules<Width>> opening_;
 };
 

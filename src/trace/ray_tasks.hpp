@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -19,10 +18,12 @@ namespace clbvh::trace {
     return arena_size(options.thread_count);
 }
 
+/// Rays of one task of the calls for many.
+inline constexpr std::size_t kRaysPerPiece = 256;
+
 /// Calls `action` with the beginnings and ends of pieces of `count` rays, in parallel. Only the last one may be short.
 template <typename Action>
 void for_each_piece(tbb::task_arena& arena, std::size_t count, const Action& action) {
-    constexpr std::size_t kRaysPerPiece = 256;
     arena.execute([&] {
         tbb::parallel_for(std::size_t{0}, (count + kRaysPerPiece - 1) / kRaysPerPiece, [&](std::size_t piece) {
             action(piece * kRaysPerPiece, std::min(count, (piece + 1) * kRaysPerPiece));
@@ -33,12 +34,9 @@ void for_each_piece(tbb::task_arena& arena, std::size_t count, const Action& act
 /// Calls `action` with every index below `count`, in parallel.
 template <typename Action>
 void for_each_ray(tbb::task_arena& arena, std::size_t count, const Action& action) {
-    constexpr std::size_t kRaysPerTask = 256;
-    arena.execute([&] {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kRaysPerTask), [&](const auto& range) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i)
-                action(i);
-        });
+    for_each_piece(arena, count, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            action(i);
     });
 }
 

@@ -121,29 +121,24 @@ void Tracer::any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit, cons
 
 HitLists Tracer::all(std::span<const Ray> rays) const {
     return with_memory_errors("the hits of the rays", [&] {
-        // Each task keeps its hits in a list of its own; then all go one behind the other.
-        constexpr std::size_t kRaysPerList = 256;
-        const std::size_t list_count = (rays.size() + kRaysPerList - 1) / kRaysPerList;
-        std::vector<std::vector<Hit>> lists(list_count);
+        // Each piece keeps its hits in a list of its own; then all go one behind the other.
+        std::vector<std::vector<Hit>> lists(rays.size() / kRaysPerPiece + 1);
         HitLists result;
         result.begins.assign(rays.size() + 1, 0);
-        const auto for_each_list = [&](const auto& action) {
-            state_->arena.execute([&] { tbb::parallel_for(std::size_t{0}, list_count, action); });
-        };
-        for_each_list([&](std::size_t list) {
+        for_each_piece(state_->arena, rays.size(), [&](std::size_t begin, std::size_t end) {
             std::vector<Hit> hits;
-            const std::size_t end = std::min(rays.size(), (list + 1) * kRaysPerList);
-            for (std::size_t i = list * kRaysPerList; i < end; ++i) {
+            std::vector<Hit>& list = lists[begin / kRaysPerPiece];
+            for (std::size_t i = begin; i < end; ++i) {
                 state_->all(rays[i], hits);
                 result.begins[i + 1] = hits.size();
-                lists[list].insert(lists[list].end(), hits.begin(), hits.end());
+                list.insert(list.end(), hits.begin(), hits.end());
             }
         });
         for (std::size_t i = 0; i < rays.size(); ++i)
             result.begins[i + 1] += result.begins[i];
         result.hits.resize(result.begins.back());
-        for_each_list([&](std::size_t list) {
-            std::ranges::copy(lists[list], result.hits.data() + result.begins[list * kRaysPerList]);
+        for_each_piece(state_->arena, rays.size(), [&](std::size_t begin, std::size_t) {
+            std::ranges::copy(lists[begin / kRaysPerPiece], result.hits.data() + result.begins[begin]);
         });
         return result;
     });

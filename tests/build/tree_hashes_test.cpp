@@ -12,8 +12,8 @@
 #include "clbvh/io/scene.hpp"
 #include "support/builders.hpp"
 
-// The trees of every builder and preset over every generated scene, byte for byte as they were before the rooms were
-// rebuilt. CLBVH_PRINT_TREE_HASHES=1 prints the table anew.
+// The trees of every builder and preset over every generated scene, byte for byte as they are recorded.
+// CLBVH_PRINT_TREE_HASHES=1 prints the table anew.
 namespace clbvh::test {
 namespace {
 

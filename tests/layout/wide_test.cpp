@@ -10,6 +10,7 @@
 
 #include "clbvh/builder.hpp"
 #include "clbvh/io/scene.hpp"
+#include "support/allocations.hpp"
 #include "support/expect_error.hpp"
 #include "support/hard_trees.hpp"
 
@@ -207,6 +208,27 @@ TEST_CASE("the same bytes come from any number of threads, and in memory that wa
     make_layout(Bvh{}, Mesh{}, layout);
     CHECK(layout.empty());
     CHECK(layout.depth == 0);
+}
+
+TEST_CASE("a layout for which there is no memory is left empty") {
+    const Mesh mesh = generate_scene("city", 3000);
+    const Bvh bvh = build(mesh, "median");
+    Wide8 layout = make_layout<Wide8>(bvh, mesh, {.thread_count = 1});
+    long allowed = 0;
+    for (bool is_made = false; !is_made; ++allowed) {
+        allow_allocations(allowed);
+        try {
+            make_layout(bvh, mesh, layout, {.thread_count = 1});
+            is_made = true;
+        } catch (const Error& error) {
+            allow_allocations(-1);
+            REQUIRE(error.code() == ErrorCode::out_of_memory);
+            REQUIRE((layout.empty() && layout.blocks.empty() && layout.depth == 0 && layout.primitive_count == 0));
+        }
+    }
+    allow_allocations(-1);
+    CHECK(allowed > 5);
+    CHECK(fault_of<Wide8>(bvh, mesh).empty());
 }
 
 TEST_CASE("a tree that is none over the mesh has no layout") {

@@ -4,7 +4,8 @@ namespace clbvh {
 
 /// Says when a tree that is refitted from frame to frame is better built anew. Refits keep a tree's structure, and rays
 /// through it cost more the further the mesh moves from where it was built. A build pays once that loss, summed over
-/// the frames since the last build, has reached what a build costs: whatever the motion, build and loss together are
+/// the frames since the last build, has reached what a build costs: as long as an older tree is no better
+/// than a newer one, build and loss together are
 /// then at most twice, and one frame's loss more, what the best moments would have cost (the ski rental problem).
 ///
 ///     clbvh::RebuildPolicy policy(build_ms, trace_ms);      // measured at a fresh tree
