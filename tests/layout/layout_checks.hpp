@@ -14,6 +14,7 @@
 #include "support/hard_trees.hpp"
 #include "support/layout_rays.hpp"
 #include "support/layout_trees.hpp"
+#include "support/meshes.hpp"
 #include "support/oracle/ray_oracle.hpp"
 
 // What the tests of every layout do, with make_layout, validate and closest_in of its own.
@@ -164,6 +165,38 @@ void check_trees_are_refused(const Make& make) {
     expect_error(ErrorCode::invalid_input, {"thread_count", "1025"}, [&] {
         make(MeshTree{"", mesh, valid}, LayoutOptions{.thread_count = 1025});
     });
+}
+
+/// Layouts in depth-first order: the same bytes come with any number of threads, in new memory and in old.
+template <typename Make>
+void check_threads_and_memory(const Make& make) {
+    for (const char* const builder : {"binned-sah", "sbvh"}) {
+        const Mesh mesh = generate_scene("city", 60'000);
+        const MeshTree tree{"", mesh, build(mesh, builder)};
+        const auto expected = make(tree, LayoutOptions{.thread_count = 1});
+        CHECK_NOTHROW(validate(expected, mesh));
+        CHECK(count_other_hits(tree, expected, 10) == 0);
+        auto layout = make(MeshTree{"", random_triangles(7), build(random_triangles(7), "median")}, LayoutOptions{});
+        for (const std::uint32_t threads : {0u, 2u, 7u}) {
+            make_layout(tree.bvh, layout, {.thread_count = threads});
+            CHECK(same_elements(layout.nodes, expected.nodes));
+            CHECK(same_elements(layout.primitive_ids, expected.primitive_ids));
+            CHECK(layout.depth == expected.depth);
+        }
+    }
+}
+
+/// The same layouts are made of trees over boxes.
+template <typename Layout>
+void check_trees_over_boxes() {
+    const Mesh mesh = generate_scene("hair", 500);
+    std::vector<Aabb> boxes;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        boxes.push_back(triangle_bounds(mesh, i));
+    for (const char* const builder : {"sweep-sah", "sbvh"}) {
+        const auto layout = make_layout<Layout>(build(BoxView(boxes), builder));
+        CHECK_NOTHROW(validate(layout, BoxView(boxes)));
+    }
 }
 
 }  // namespace clbvh::test

@@ -2,7 +2,6 @@
 
 #include "clbvh/core/validate.hpp"
 #include "layout/layout_checks.hpp"
-#include "support/meshes.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -55,31 +54,11 @@ TEST_CASE("skip: an example, byte by byte") {
 }
 
 TEST_CASE("skip: the same bytes with any number of threads, in new memory and in old") {
-    for (const char* const builder : {"binned-sah", "sbvh"}) {
-        const Mesh mesh = generate_scene("city", 60'000);
-        const MeshTree tree{"", mesh, build(mesh, builder)};
-        const SkipLayout expected = make(tree, {.thread_count = 1});
-        CHECK_NOTHROW(validate(expected, mesh));
-        CHECK(count_other_hits(tree, expected, 10) == 0);
-        SkipLayout layout = make({"", random_triangles(7), build(random_triangles(7), "median")});
-        for (const std::uint32_t threads : {0u, 2u, 7u}) {
-            make_layout(tree.bvh, layout, {.thread_count = threads});
-            CHECK(same_elements(layout.nodes, expected.nodes));
-            CHECK(same_elements(layout.primitive_ids, expected.primitive_ids));
-            CHECK(layout.depth == expected.depth);
-        }
-    }
+    check_threads_and_memory(make);
 }
 
 TEST_CASE("skip: trees over boxes") {
-    const Mesh mesh = generate_scene("hair", 500);
-    std::vector<Aabb> boxes;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        boxes.push_back(triangle_bounds(mesh, i));
-    for (const char* const builder : {"sweep-sah", "sbvh"}) {
-        const auto layout = make_layout<SkipLayout>(build(BoxView(boxes), builder));
-        CHECK_NOTHROW(validate(layout, BoxView(boxes)));
-    }
+    check_trees_over_boxes<SkipLayout>();
 }
 
 TEST_CASE("skip: a fault in a layout is named") {
