@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "build/backend.hpp"
 #include "catalog/device_configs.hpp"
 #include "catalog/device_optimizers.hpp"
@@ -12,10 +14,10 @@ using device::with_opencl_errors;
 
 class DeviceBackend final : public Backend {
 public:
-    DeviceBackend(const BuilderRow& row, const BuildOptions& options, const Context& context)
+    DeviceBackend(const BuilderRow& row, const BuildOptions& options, Context context)
         : algorithm_(*row.device_algorithm),
           options_(options),
-          context_(context),
+          context_(std::move(context)),
           settings_(
               device::prepare_pipeline(context_.session(), algorithm_, device_configs_for(row.info.id, options))) {
         if (options.optimize_on == OptimizeOn::device) {
