@@ -163,7 +163,7 @@ TEST_CASE("device memory of a build is at most 72 bytes a primitive beside the n
     for (const Shape shape : {Shape::group, Shape::lane}) {
         for (const std::string_view id : device_builders()) {
             Builder builder = make_builder(id, options_of(shape));
-            for (const std::uint64_t count : {1000, 300000}) {
+            for (const std::uint64_t count : {1000u, 300000u}) {
                 const std::uint64_t bytes = stats_of(builder, generate_scene("soup", count)).peak_device_bytes;
                 INFO(id << ", " << to_string(shape) << ", " << count);
                 CHECK(bytes >= count * least_per_primitive);

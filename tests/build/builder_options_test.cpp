@@ -70,7 +70,7 @@ TEST_CASE("every builder, presplit and collapsed: valid and the same each time, 
     for_each_builder([](const BuilderInfo& info, const BuildOptions& options) {
         Builder builder = make_builder(info.id, options);
         for (const SceneGeneratorInfo& scene : scene_generators()) {
-            for (const std::uint64_t count : {0, 1, 2, 3, 100, 2000}) {
+            for (const std::uint64_t count : {0u, 1u, 2u, 3u, 100u, 2000u}) {
                 INFO(scene.name << ":" << count);
                 const Mesh mesh = generate_scene(scene.name, count);
                 const Bvh tree = builder.build(mesh);
@@ -228,7 +228,7 @@ TEST_CASE("progress rises through all stages, each of which can be cancelled") {
 TEST_CASE("one builder splits and merges meshes that grow and shrink") {
     for_each_builder([](const BuilderInfo& info, const BuildOptions& options) {
         Builder builder = make_builder(info.id, options);
-        for (const std::uint64_t count : {10, 2000, 3, 0, 1, 1500, 2}) {
+        for (const std::uint64_t count : {10u, 2000u, 3u, 0u, 1u, 1500u, 2u}) {
             const Mesh mesh = generate_scene("hair", count);
             const Bvh tree = builder.build(mesh);
             CHECK(validate(tree, mesh).error == "");

@@ -2,6 +2,7 @@
 // shapes, for every search radius, on every generated scene, at sizes around every chunk and work-group boundary.
 #include <catch2/catch.hpp>
 
+#include "clbvh/device/context.hpp"
 #include "clbvh/io/scene.hpp"
 #include "support/builders.hpp"
 #include "support/meshes.hpp"
@@ -203,8 +204,8 @@ TEST_CASE("builders equal their oracles: negative zeros") {
 TEST_CASE("builders equal their oracles: some primitives inactive") {
     for (const Shape shape : {Shape::group, Shape::lane}) {
         for (Builder& builder : make_builders(options_of(shape))) {
-            for (const std::size_t step : {1, 2, 3, 50}) {
-                for (const std::size_t size : {1, 2, 65, 3000}) {
+            for (const std::size_t step : {1u, 2u, 3u, 50u}) {
+                for (const std::size_t size : {1u, 2u, 65u, 3000u}) {
                     Mesh mesh = random_triangles(size);
                     deactivate_triangles(mesh, 0, step);
                     BuildStats stats;

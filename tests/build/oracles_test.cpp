@@ -53,7 +53,7 @@ Aabb unit_box_at(float x, float y, float z) {
 }  // namespace
 
 TEST_CASE("comparison: a tree equals itself under another numbering") {
-    for (const std::size_t count : {0, 1, 2, 3, 50, 3000}) {
+    for (const std::size_t count : {0u, 1u, 2u, 3u, 50u, 3000u}) {
         const Bvh bvh = example_tree(count);
         CHECK(compare_trees(bvh, bvh).empty());
         if (count < 3) continue;

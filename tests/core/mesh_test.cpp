@@ -50,7 +50,7 @@ TEST_CASE("triangles with a NaN are inactive and counted") {
 }
 
 TEST_CASE("one NaN in any coordinate of any vertex makes a triangle inactive") {
-    for (const std::size_t corner : {0, 1, 2}) {
+    for (const std::size_t corner : {0u, 1u, 2u}) {
         for (float Vec3::*axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
             Mesh mesh = random_triangles(1);
             CHECK_FALSE(is_inactive(mesh, 0));

@@ -201,7 +201,7 @@ TEST_CASE("boxes that differ from the union by one unit in the last place are fo
 }
 
 TEST_CASE("boxes that are NaN are found, in a child as in the root") {
-    for (const std::size_t node : {0, 2, 3}) {
+    for (const std::size_t node : {0u, 2u, 3u}) {
         Tree tree = random_tree(20);
         tree.bvh.nodes[node].upper[1] = kNan;
         expect_invalid(tree, "its box is not the union of its ");
@@ -412,7 +412,7 @@ TEST_CASE("split references: the first primitive that is lost is named") {
 }
 
 TEST_CASE("split references: boxes must lie within the union of the primitives, and inner ones be unions") {
-    for (const std::size_t node : {2, 3}) {
+    for (const std::size_t node : {2u, 3u}) {
         Tree tree = split_tree();
         tree.bvh.nodes[node].upper[2] = 1e-30f;
         expect_invalid(tree, "node 0: its box is not the union of its children");

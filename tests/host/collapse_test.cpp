@@ -207,7 +207,7 @@ TEST_CASE("collapse finds the cheapest of all cuts where leaves share primitives
 
 TEST_CASE("collapsed trees are valid, no dearer, and collapsed for good") {
     for (const SceneGeneratorInfo& scene : scene_generators()) {
-        for (const std::uint64_t count : {0, 1, 2, 3, 1000, 20000}) {
+        for (const std::uint64_t count : {0u, 1u, 2u, 3u, 1000u, 20000u}) {
             const Mesh mesh = generate_scene(scene.name, count);
             const std::vector<Aabb> boxes = boxes_of(mesh);
             for (const Bvh& tree : {build_median(boxes, {1}), build_median(boxes, {4}), build_binned_sah(boxes)}) {
@@ -232,7 +232,7 @@ TEST_CASE("collapsed trees are valid, no dearer, and collapsed for good") {
 }
 
 TEST_CASE("collapse sees neither the numbering nor unused nodes") {
-    for (const std::size_t count : {1, 2, 3, 100, 30000}) {
+    for (const std::size_t count : {1u, 2u, 3u, 100u, 30000u}) {
         const Mesh mesh = random_triangles(count);
         const Bvh tree = RandomTree(mesh, ids_up_to(count), 2, 7).tree();
         const Bvh expected = collapse(tree);
@@ -272,12 +272,12 @@ TEST_CASE("collapse takes trees of any depth") {
 
 TEST_CASE("parts of one primitive become one leaf, and very many of them stay apart") {
     const Mesh mesh = random_triangles(1);
-    for (const std::size_t count : {2, 255, 256}) {
+    for (const std::size_t count : {2u, 255u, 256u}) {
         const Bvh result = collapse(RandomTree(mesh, std::vector<std::uint32_t>(count, 0), 1, 3).tree(), {1});
         CHECK(result.primitive_ids == std::vector<std::uint32_t>{0});
         CHECK(result.nodes.size() == 2);
     }
-    for (const std::size_t count : {257, 5000}) {
+    for (const std::size_t count : {257u, 5000u}) {
         const Bvh result = collapse(RandomTree(mesh, std::vector<std::uint32_t>(count, 0), 1, 3).tree(), {1});
         CHECK(result.primitive_ids.size() >= 2);
         CHECK(result.primitive_ids.size() < count);

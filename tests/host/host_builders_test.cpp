@@ -188,8 +188,8 @@ TEST_CASE("host builders: negative zeros and inactive primitives") {
         zeros.vertices[i].z = i % 2 == 0 ? -0.0f : 0.0f;
     }
     check_everywhere(zeros, "negative zeros");
-    for (const std::size_t step : {1, 2, 3, 50}) {
-        for (const std::size_t size : {1, 2, 65, 30000}) {
+    for (const std::size_t step : {1u, 2u, 3u, 50u}) {
+        for (const std::size_t size : {1u, 2u, 65u, 30000u}) {
             Mesh mesh = random_triangles(size);
             deactivate_triangles(mesh, 0, step);
             check_everywhere(mesh, "each of " + std::to_string(step) + " inactive");

@@ -103,7 +103,7 @@ TEST_CASE("an OBJ file without faces is an empty mesh") {
 
 TEST_CASE("OBJ polygons of any size are cut into as many triangles as they have corners less two") {
     // 300 corners are more than a byte counts, 2400 more than are clipped ear by ear.
-    for (const std::size_t spikes : {2, 3, 5, 150, 1200}) {
+    for (const std::size_t spikes : {2u, 3u, 5u, 150u, 1200u}) {
         const Mesh mesh = load(tilted_polygon(star(spikes)));
         CHECK(mesh.triangles.size() == 2 * spikes - 2);
     }
@@ -111,7 +111,7 @@ TEST_CASE("OBJ polygons of any size are cut into as many triangles as they have 
 
 TEST_CASE("concave OBJ polygons keep their area and winding") {
     for (const bool reversed : {false, true}) {
-        for (const std::size_t spikes : {3, 4, 5, 12, 100}) {
+        for (const std::size_t spikes : {3u, 4u, 5u, 12u, 100u}) {
             std::vector<std::pair<double, double>> points = star(spikes);
             if (reversed) std::reverse(points.begin(), points.end());
             const Mesh mesh = load(tilted_polygon(points));

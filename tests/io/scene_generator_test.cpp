@@ -241,7 +241,7 @@ int open_edges(const Mesh& mesh) {
 }  // namespace
 
 TEST_CASE("a sphere of an even count from 8 is closed, and misses one triangle where the count is odd") {
-    for (const std::uint64_t count : {8, 10, 14, 30, 32, 34, 70, 72, 200, 1000, 9998, 10000}) {
+    for (const std::uint64_t count : {8u, 10u, 14u, 30u, 32u, 34u, 70u, 72u, 200u, 1000u, 9998u, 10000u}) {
         INFO(count);
         const Mesh mesh = generate_scene("sphere", count);
         CHECK(open_edges(mesh) == 0);

@@ -78,7 +78,7 @@ TEST_CASE("a root of zero area counts every node as hit") {
 }
 
 TEST_CASE("SAH cost equals the recursive definition") {
-    for (const std::size_t count : {2, 3, 10, 1000, 20000}) {
+    for (const std::size_t count : {2u, 3u, 10u, 1000u, 20000u}) {
         const MortonOrder order = morton_order(random_triangles(count), MortonCode::xyz);
         for (const Bvh& bvh : {ploc_tree(order, 8, Comparison::exact).bvh, lbvh_tree(order).bvh}) {
             for (const SahCosts& costs : {SahCosts{}, SahCosts{1.0, 2.0}}) {

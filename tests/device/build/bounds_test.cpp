@@ -70,14 +70,15 @@ void expect_host_bounds(const Mesh& mesh) {
 }  // namespace
 
 TEST_CASE("bounds: boxes and scene equal the host's at sizes around vectors, groups and pieces") {
-    for (const std::size_t size : {1, 2, 15, 16, 17, 255, 256, 257, 1023, 1024, 1025, 4095, 4096, 4097, 30001}) {
+    for (const std::size_t size :
+         {1u, 2u, 15u, 16u, 17u, 255u, 256u, 257u, 1023u, 1024u, 1025u, 4095u, 4096u, 4097u, 30001u}) {
         expect_host_bounds(random_triangles(size));
     }
 }
 
 TEST_CASE("bounds: inactive primitives are NaNs and count for nothing") {
-    for (const std::size_t size : {2, 17, 257, 5000}) {
-        for (const std::size_t step : {2, 3, 50}) {
+    for (const std::size_t size : {2u, 17u, 257u, 5000u}) {
+        for (const std::size_t step : {2u, 3u, 50u}) {
             Mesh mesh = random_triangles(size);
             deactivate_triangles(mesh, 0, step);
             expect_host_bounds(mesh);
@@ -86,7 +87,7 @@ TEST_CASE("bounds: inactive primitives are NaNs and count for nothing") {
 }
 
 TEST_CASE("bounds: one active primitive among many is the scene") {
-    for (const std::size_t active : {0, 1, 300, 999}) {
+    for (const std::size_t active : {0u, 1u, 300u, 999u}) {
         Mesh mesh = random_triangles(1000);
         const Mesh whole = mesh;
         deactivate_triangles(mesh);
@@ -134,8 +135,8 @@ TEST_CASE("bounds: small work groups, and as many pieces as a large device takes
     const Mesh mesh = random_triangles(300000);
     for (const Shape shape : kBothShapes)
         expect_host_bounds(mesh, large_device_settings(options_of(shape)));
-    for (const std::size_t size : {1, 31, 32, 33, 5000}) {
-        for (const std::size_t largest_group : {32, 64, 128})
+    for (const std::size_t size : {1u, 31u, 32u, 33u, 5000u}) {
+        for (const std::size_t largest_group : {32u, 64u, 128u})
             expect_host_bounds(random_triangles(size), small_group_settings(options_of(Shape::group), largest_group));
     }
 }

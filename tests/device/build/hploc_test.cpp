@@ -88,8 +88,8 @@ Codes chain() {
 
 TEST_CASE("hploc: random triangles at sizes around the limits of a node and of a piece") {
     const BuildOptions options;
-    for (const std::size_t size : {1,  2,  3,  4,  5,  7,  8,   9,    15,   16,   17,   18,   31,
-                                   32, 33, 34, 63, 64, 65, 100, 1000, 1023, 1024, 1025, 2049, 20000}) {
+    for (const std::size_t size : {1u,  2u,  3u,  4u,  5u,  7u,  8u,   9u,    15u,   16u,   17u,   18u,   31u,
+                                   32u, 33u, 34u, 63u, 64u, 65u, 100u, 1000u, 1023u, 1024u, 1025u, 2049u, 20000u}) {
         if (!expect_hploc_tree(options, random_order(size), "random")) return;
     }
 }
@@ -97,7 +97,7 @@ TEST_CASE("hploc: random triangles at sizes around the limits of a node and of a
 TEST_CASE("hploc: every option") {
     const std::vector<BuildOptions> options = all_options();
     for (std::size_t k = 0; k < options.size(); ++k) {
-        for (const std::size_t size : {1, 2, 3, 12, 13, 17, 33, 65, 1000, 5000}) {
+        for (const std::size_t size : {1u, 2u, 3u, 12u, 13u, 17u, 33u, 65u, 1000u, 5000u}) {
             if (!expect_hploc_tree(options[k], random_order(size), "options " + std::to_string(k))) return;
         }
     }
@@ -134,12 +134,12 @@ TEST_CASE("hploc: uneven Morton trees") {
 }
 
 TEST_CASE("hploc: leaves of several primitives, at any size") {
-    for (const std::uint32_t leaf_size : {2, 3, 4, 8}) {
+    for (const std::uint32_t leaf_size : {2u, 3u, 4u, 8u}) {
         INFO("leaves of " << leaf_size);
         for (std::size_t size = 1; size <= 50; ++size) {
             if (!expect_hploc_tree(leaf_options(leaf_size), random_order(size), "random")) return;
         }
-        for (const std::size_t size : {63, 64, 65, 127, 128, 129, 500, 1000, 1024, 4096, 20000}) {
+        for (const std::size_t size : {63u, 64u, 65u, 127u, 128u, 129u, 500u, 1000u, 1024u, 4096u, 20000u}) {
             if (!expect_hploc_tree(leaf_options(leaf_size), random_order(size), "random")) return;
         }
     }
@@ -157,7 +157,7 @@ TEST_CASE("hploc: leaves of several primitives of hard boxes and uneven Morton t
     Codes long_chain;  // of codes in runs, which end everywhere within a word of 64
     for (const std::uint64_t code : deep)
         long_chain.insert(long_chain.end(), 1 + code % 11, code);
-    for (const std::uint32_t leaf_size : {2, 4, 8}) {
+    for (const std::uint32_t leaf_size : {2u, 4u, 8u}) {
         INFO("leaves of " << leaf_size);
         const BuildOptions options = leaf_options(leaf_size);
         expect_hploc_tree(options, order_of_codes(deep), "a chain");
@@ -174,7 +174,7 @@ TEST_CASE("hploc: leaves of several primitives with every other option") {
     std::vector<BuildOptions> options = all_options();
     for (std::size_t k = 0; k < options.size(); ++k) {
         options[k].hploc.leaf_size = 3;
-        for (const std::size_t size : {3, 5, 40, 100, 3000})
+        for (const std::size_t size : {3u, 5u, 40u, 100u, 3000u})
             expect_hploc_tree(options[k], random_order(size), "options " + std::to_string(k));
     }
 }
@@ -195,7 +195,7 @@ TEST_CASE("hploc: leaves of several primitives over every generated scene, some 
     for (const SceneGeneratorInfo& scene : scene_generators()) {
         Mesh mesh = generate_scene(scene.name, 2000);
         deactivate_triangles(mesh, 2, 7);
-        for (const std::uint32_t leaf_size : {2, 4, 8}) {
+        for (const std::uint32_t leaf_size : {2u, 4u, 8u}) {
             for (const Shape shape : kBothShapes) {
                 BuildOptions options = options_of(shape);
                 options.hploc.leaf_size = leaf_size;
@@ -237,7 +237,7 @@ TEST_CASE("hploc: inactive primitives, duplicates and both sorts") {
 }
 
 TEST_CASE("hploc oracle: trees are valid for all options") {
-    for (const std::size_t count : {1, 2, 3, 16, 17, 33, 300}) {
+    for (const std::size_t count : {1u, 2u, 3u, 16u, 17u, 33u, 300u}) {
         const Mesh mesh = random_triangles(count);
         const MortonOrder order = morton_order(mesh, MortonCode::xyz);
         for (const BuildOptions& options : all_options())

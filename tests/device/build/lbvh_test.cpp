@@ -57,7 +57,7 @@ TEST_CASE("lbvh: random codes at sizes around work groups and pieces") {
 }
 
 TEST_CASE("lbvh: equal codes are told apart by their positions") {
-    for (const std::size_t size : {2, 3, 1000, 1024, 1025, 5000})
+    for (const std::size_t size : {2u, 3u, 1000u, 1024u, 1025u, 5000u})
         expect_prefix_tree(Codes(size, 42), "equal");
     Codes runs;
     for (std::uint32_t i = 0; i < 5000; ++i)

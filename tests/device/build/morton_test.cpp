@@ -166,7 +166,8 @@ Aabb point(float x, float y, float z) {
 }  // namespace
 
 TEST_CASE("morton: codes equal the host's at sizes around vectors, groups and pieces") {
-    for (const std::size_t size : {1, 2, 15, 16, 17, 31, 32, 33, 255, 256, 257, 1025, 4095, 4096, 4097, 30001}) {
+    for (const std::size_t size :
+         {1u, 2u, 15u, 16u, 17u, 31u, 32u, 33u, 255u, 256u, 257u, 1025u, 4095u, 4096u, 4097u, 30001u}) {
         expect_host_codes(random_boxes(size, {10, 20, 3}, {1, 1, 1}), "a box");
     }
 }
@@ -185,8 +186,8 @@ TEST_CASE("morton: the corners of a cube have the codes that bits on paper give"
 }
 
 TEST_CASE("morton: an inactive primitive has a key above every code, wherever it stands") {
-    for (const std::size_t size : {2, 16, 33, 300, 5000}) {
-        for (const std::size_t step : {2, 3, 7, 16}) {
+    for (const std::size_t size : {2u, 16u, 33u, 300u, 5000u}) {
+        for (const std::size_t step : {2u, 3u, 7u, 16u}) {
             Boxes boxes = random_boxes(size, {1, 1, 1}, {1, 1, 1});
             for (std::size_t i = step - 1; i < size; i += step)
                 boxes[i].reset();
@@ -237,7 +238,7 @@ TEST_CASE("morton: small work groups, and as many pieces as a large device takes
                 const BuildOptions options = morton_options(code, shape, code_bits);
                 expect_host_codes(random_boxes(300000, {1, 2, 3}, {1, 1, 1}), large_device_settings(options), "a box");
             }
-            for (const std::size_t largest_group : {32, 128}) {
+            for (const std::size_t largest_group : {32u, 128u}) {
                 const BuildOptions options = morton_options(code, Shape::group, code_bits);
                 expect_host_codes(random_boxes(5000, {1, 2, 3}, {1, 1, 1}),
                                   small_group_settings(options, largest_group),

@@ -117,7 +117,7 @@ void expect_ranges(const NamedCodes& input) {
 }  // namespace
 
 TEST_CASE("plocpp-two-level: ranges are the nodes of the LBVH that rounds of splitting reach") {
-    for (const std::size_t size : {1, 2, 15, 16, 17, 18, 33, 1000, 20000})
+    for (const std::size_t size : {1u, 2u, 15u, 16u, 17u, 18u, 33u, 1000u, 20000u})
         expect_ranges({"random", random_order(size).codes});
     for (const NamedCodes& input : hard_codes())
         expect_ranges(input);

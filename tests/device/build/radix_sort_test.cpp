@@ -181,7 +181,7 @@ TEST_CASE("sort: small work groups, and as many pieces as a large device takes")
             expect_stable_order(bench, codes);
         });
         for (const std::uint32_t code_bits : {44u, 63u}) {
-            for (const std::size_t largest_group : {32, 64, 128}) {
+            for (const std::size_t largest_group : {32u, 64u, 128u}) {
                 StageBench bench(small_group_settings(sort_options(Shape::group, code_bits), largest_group), 9000);
                 expect_stable_order(bench, make_codes(pattern, 9000));
             }

@@ -35,7 +35,7 @@ void expect_parents(const std::vector<Node>& nodes, std::uint32_t active_count) 
         write(tree.active_count.buffer, std::vector{std::uint32_t{7}, active_count});
     }
     const cl::Buffer parents(session.context(), CL_MEM_READ_WRITE, nodes.size() / 2 * sizeof(cl_uint));
-    for (const std::size_t work_group_size : {1, 64}) {
+    for (const std::size_t work_group_size : {1u, 64u}) {
         INFO(nodes.size() << " nodes, work groups of " << work_group_size);
         fill_bytes(parents, 0xab);
         StageBench bench(BuildOptions{}, 1);
@@ -47,7 +47,7 @@ void expect_parents(const std::vector<Node>& nodes, std::uint32_t active_count) 
 }  // namespace
 
 TEST_CASE("parents: of device trees, whose size may be known on the device alone") {
-    for (const std::size_t count : {1, 2, 3, 1000, 2048, 2049, 9000}) {
+    for (const std::size_t count : {1u, 2u, 3u, 1000u, 2048u, 2049u, 9000u}) {
         std::vector<Node> nodes = make_builder("lbvh").build(random_triangles(count)).nodes;
         expect_parents(nodes, 0);
         const auto active = static_cast<std::uint32_t>(count);

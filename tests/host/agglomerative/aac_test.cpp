@@ -216,7 +216,7 @@ void expect_flattened(const std::vector<Aabb>& boxes, const AacConfig& config) {
 TEST_CASE("AAC is what the paper's algorithms say", "[host][aac]") {
     for (const AacConfig& preset : {AacConfig::hq(), AacConfig::fast()}) {
         const AacConfig config = without_flattening(preset);
-        for (const std::size_t count : {1, 2, 3, 4, 5, 19, 20, 21, 64, 333, 1000, 9000}) {
+        for (const std::size_t count : {1u, 2u, 3u, 4u, 5u, 19u, 20u, 21u, 64u, 333u, 1000u, 9000u}) {
             INFO("delta " << config.delta << ", " << count << " boxes");
             const std::vector<Aabb> boxes = random_boxes(count);
             CHECK(compare_trees(build_aac(boxes, config), Oracle(boxes, config).build()) == "");
@@ -232,7 +232,7 @@ TEST_CASE("AAC without reduction is greedy agglomerative clustering", "[host][aa
     for (const InstructionSet set : kInstructionSets) {
         if (!is_available(set)) continue;
         const Variant variant{Reduction::none(), set};
-        for (const std::size_t count : {1, 2, 3, 8, 9, 50, 1000}) {
+        for (const std::size_t count : {1u, 2u, 3u, 8u, 9u, 50u, 1000u}) {
             INFO(count << " boxes, instruction set " << static_cast<int>(set));
             for (const std::vector<Aabb>& boxes : {random_boxes(count), grid_boxes(count)})
                 CHECK(check_greedy(build_variant(boxes, config, variant), boxes) == "");
@@ -292,7 +292,7 @@ TEST_CASE("AAC flattens where the paper's cost says so", "[host][aac]") {
 }
 
 TEST_CASE("AAC builds valid trees over the hardest boxes", "[host][aac]") {
-    for (const std::size_t count : {1, 2, 3, 5, 16, 400, 100'000}) {
+    for (const std::size_t count : {1u, 2u, 3u, 5u, 16u, 400u, 100'000u}) {
         for (const BoxSet& set : hard_box_sets(count)) {
             const Mesh mesh = mesh_of_boxes(set.boxes);
             for (const AacConfig& config : {AacConfig::hq(), AacConfig::fast()}) {

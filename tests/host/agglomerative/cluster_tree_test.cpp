@@ -105,7 +105,7 @@ bool is_kd_order(std::span<const Reference> boxes) {
 }  // namespace
 
 TEST_CASE("the cluster tree finds the nearest box, however slots change", "[host][cluster_tree]") {
-    for (const std::size_t count : {2, 3, 4, 5, 16, 17, 63, 64, 65, 300, 1500}) {
+    for (const std::size_t count : {2u, 3u, 4u, 5u, 16u, 17u, 63u, 64u, 65u, 300u, 1500u}) {
         for (const BoxSet& set : hard_box_sets(count)) {
             INFO(set.name << ", " << count);
             Slots slots(set.boxes);
@@ -134,7 +134,7 @@ TEST_CASE("the cluster tree finds the nearest box, however slots change", "[host
 }
 
 TEST_CASE("the kd order parts every block by one coordinate", "[host][cluster_tree]") {
-    for (const std::size_t count : {1, 4, 5, 100, 1024, 1025, 20'000}) {
+    for (const std::size_t count : {1u, 4u, 5u, 100u, 1024u, 1025u, 20'000u}) {
         for (const BoxSet& set : hard_box_sets(count)) {
             INFO(set.name << ", " << count);
             std::vector<Reference> boxes = references_over(set.boxes);

@@ -36,7 +36,7 @@ TEST_CASE("locally-ordered clustering gives the greedy tree", "[host][locally_or
         expect_greedy_tree(random_boxes(count, count));
         expect_greedy_tree(grid_boxes(count, count));
     }
-    for (const std::size_t count : {257, 1000, 3000}) {
+    for (const std::size_t count : {257u, 1000u, 3000u}) {
         INFO(count << " boxes");
         expect_greedy_tree(random_boxes(count));
         expect_greedy_tree(grid_boxes(count));
@@ -44,7 +44,7 @@ TEST_CASE("locally-ordered clustering gives the greedy tree", "[host][locally_or
 }
 
 TEST_CASE("locally-ordered clustering gives a greedy tree of the hardest boxes", "[host][locally_ordered]") {
-    for (const std::size_t count : {2, 5, 16, 400}) {
+    for (const std::size_t count : {2u, 5u, 16u, 400u}) {
         for (const BoxSet& set : hard_box_sets(count)) {
             INFO(set.name << ", " << count);
             expect_greedy_tree(set.boxes);

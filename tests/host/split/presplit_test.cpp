@@ -139,7 +139,7 @@ TEST_CASE("no edge of a part is above the threshold, and parts tile their triang
 }
 
 TEST_CASE("a closed surface stays closed: each edge has one partner, of the same points") {
-    for (const std::uint64_t count : {8, 50, 200, 2000}) {
+    for (const std::uint64_t count : {8u, 50u, 200u, 2000u}) {
         for (const std::uint32_t level : {5u, 14u, 20u}) {
             for (const float budget : {1.5f, 3.0f, kLargestBudget}) {
                 INFO(count << " triangles, level " << level << ", budget " << budget);

@@ -135,7 +135,7 @@ TEST_CASE("sweep SAH takes the best of all splits at every node", "[host][sweep_
     }
     for (const SweepSahConfig& config :
          {SweepSahConfig{}, SweepSahConfig{1.2f, 1.0f, 1}, SweepSahConfig{0.5f, 2.0f, 64}, SweepSahConfig{9, 1, 20}}) {
-        for (const std::size_t count : {333, 3000}) {
+        for (const std::size_t count : {333u, 3000u}) {
             expect_oracle_tree(random_boxes(count), config, "random");
             expect_oracle_tree(grid_boxes(count), config, "grid");
         }
@@ -159,7 +159,7 @@ TEST_CASE("sweep SAH builds the same bytes on any number of threads", "[host][sw
 }
 
 TEST_CASE("sweep SAH builds valid trees of bounded depth over the hardest boxes", "[host][sweep_sah]") {
-    for (const std::size_t count : {2, 3, 50, 100'000}) {
+    for (const std::size_t count : {2u, 3u, 50u, 100'000u}) {
         for (const BoxSet& set : hard_box_sets(count)) {
             INFO(set.name << ", " << count);
             const ValidationReport report = validate(build_sweep_sah(set.boxes), mesh_of_boxes(set.boxes));
