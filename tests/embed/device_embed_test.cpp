@@ -95,6 +95,14 @@ private:
             INFO("binary");
             check_same(EmbeddedScene(bvh, mesh).trace(options, rays, solid), expected);
         }
+        {
+            INFO("pair");
+            check_same(EmbeddedScene(make_layout<PairLayout>(bvh), mesh).trace(options, rays, solid), expected);
+        }
+        {
+            INFO("skip");
+            check_same(EmbeddedScene(make_layout<SkipLayout>(bvh), mesh).trace(options, rays, solid), expected);
+        }
     }
 };
 
@@ -153,7 +161,8 @@ TEST_CASE("embedded: hits do not depend on the stack, nor on how many are asked 
 TEST_CASE("embedded: an empty tree is hit by nothing") {
     const std::vector<Ray> rays(5, Ray{{0, 0, 0}, 0.0f, {1, 0, 0}});
     const Bvh bvh = build(Mesh{}, "binned-sah");
-    for (const EmbeddedScene& scene : {EmbeddedScene(Wide8{}), EmbeddedScene(bvh, Mesh{})}) {
+    for (const EmbeddedScene& scene : {EmbeddedScene(Wide8{}), EmbeddedScene(bvh, Mesh{}),
+                                       EmbeddedScene(PairLayout{}, Mesh{}), EmbeddedScene(SkipLayout{}, Mesh{})}) {
         const Embedded found = scene.trace("", rays);
         CHECK(std::ranges::none_of(found.closest, [](const Hit& hit) { return static_cast<bool>(hit); }));
         CHECK(std::ranges::none_of(found.any, [](std::uint8_t is_hit) { return is_hit != 0; }));

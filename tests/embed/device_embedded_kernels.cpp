@@ -34,6 +34,18 @@ clbvh_binary binary_scene(__global const float4* nodes, __global const float4* l
     return scene;
 }
 
+clbvh_pair pair_scene(__global const float4* nodes, __global const float4* leaves, uint count,
+                      __global const float* vertices, __global const uint* indices) {
+    clbvh_pair scene = {nodes, (__global const uint*)leaves, count, vertices, indices};
+    return scene;
+}
+
+clbvh_skip skip_scene(__global const float4* nodes, __global const float4* leaves, uint count,
+                      __global const float* vertices, __global const uint* indices) {
+    clbvh_skip scene = {nodes, (__global const uint*)leaves, count, vertices, indices};
+    return scene;
+}
+
 #define SCENE_ARGUMENTS                                                                                        \
     __global const float4 *nodes, __global const float4 *leaves, uint count, __global const float *vertices, \
         __global const uint *indices, __global const float4 *rays, uint solid
@@ -115,13 +127,21 @@ EmbeddedScene::EmbeddedScene(const Wide8& layout)
       nodes_(buffer_of(layout.nodes.data(), layout.nodes.size())),
       leaves_(buffer_of(layout.blocks.data(), layout.blocks.size())) {}
 
-EmbeddedScene::EmbeddedScene(const Bvh& bvh, const Mesh& mesh)
-    : layout_("binary"),
-      count_(static_cast<std::uint32_t>(bvh.primitive_ids.size())),
-      nodes_(buffer_of(bvh.nodes.data(), bvh.nodes.size())),
-      leaves_(buffer_of(bvh.primitive_ids.data(), bvh.primitive_ids.size())),
+template <typename Tree>
+EmbeddedScene::EmbeddedScene(const char* layout, const Tree& tree, std::size_t count, const Mesh& mesh)
+    : layout_(layout),
+      count_(static_cast<std::uint32_t>(count)),
+      nodes_(buffer_of(tree.nodes.data(), tree.nodes.size())),
+      leaves_(buffer_of(tree.primitive_ids.data(), tree.primitive_ids.size())),
       vertices_(buffer_of(mesh.vertices.data(), mesh.vertices.size())),
       indices_(buffer_of(mesh.triangles.data(), mesh.triangles.size())) {}
+
+EmbeddedScene::EmbeddedScene(const Bvh& bvh, const Mesh& mesh)
+    : EmbeddedScene("binary", bvh, bvh.primitive_ids.size(), mesh) {}
+EmbeddedScene::EmbeddedScene(const PairLayout& layout, const Mesh& mesh)
+    : EmbeddedScene("pair", layout, layout.primitive_ids.size(), mesh) {}
+EmbeddedScene::EmbeddedScene(const SkipLayout& layout, const Mesh& mesh)
+    : EmbeddedScene("skip", layout, layout.nodes.size(), mesh) {}
 
 Embedded EmbeddedScene::trace(const std::string& options, std::span<const Ray> rays, std::uint32_t solid) const {
     const std::string layout = " -DCLBVH_LAYOUT=" + layout_ + " -DSCENE_OF=" + layout_ + "_scene -DCLBVH_USER=uint ";

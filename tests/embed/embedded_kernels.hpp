@@ -8,6 +8,8 @@
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/core/ray.hpp"
+#include "clbvh/layout/pair.hpp"
+#include "clbvh/layout/skip.hpp"
 #include "clbvh/layout/wide.hpp"
 #include "device/opencl/opencl.hpp"
 
@@ -34,11 +36,16 @@ class EmbeddedScene {
 public:
     explicit EmbeddedScene(const Wide8& layout);
     EmbeddedScene(const Bvh& bvh, const Mesh& mesh);
+    EmbeddedScene(const PairLayout& layout, const Mesh& mesh);
+    EmbeddedScene(const SkipLayout& layout, const Mesh& mesh);
 
     /// Traces through a program with these options, on the shared context; `solid` is what the program's filter takes.
     [[nodiscard]] Embedded trace(const std::string& options, std::span<const Ray> rays, std::uint32_t solid = 1) const;
 
 private:
+    template <typename Tree>
+    EmbeddedScene(const char* layout, const Tree& tree, std::size_t count, const Mesh& mesh);
+
     std::string layout_;
     std::uint32_t count_ = 0;
     cl::Buffer nodes_, leaves_, vertices_, indices_;
