@@ -10,12 +10,14 @@ function(clbvh_embed_kernels output)
     VERBATIM)
 endfunction()
 
-# clbvh_embed_trace(OUTPUT FILE): writes the C++ source of clbvh::embed_source(), which is the text of FILE.
-function(clbvh_embed_trace output file)
+# clbvh_embed_trace(OUTPUT TEXT FILE PARTS...): writes TEXT, which is FILE with the PARTS that it includes in their places, and
+# the C++ source of clbvh::embed_source(), which returns it.
+function(clbvh_embed_trace output text file)
   add_custom_command(
-    OUTPUT ${output}
-    COMMAND ${CMAKE_COMMAND} "-DOUTPUT=${output}" "-DFILE=${file}" -P ${PROJECT_SOURCE_DIR}/cmake/embed_trace.cmake
-    DEPENDS ${file} ${PROJECT_SOURCE_DIR}/cmake/embed_trace.cmake ${PROJECT_SOURCE_DIR}/cmake/raw_string.cmake
+    OUTPUT ${output} ${text}
+    COMMAND ${CMAKE_COMMAND} "-DOUTPUT=${output}" "-DTEXT=${text}" "-DFILE=${file}"
+      -P ${PROJECT_SOURCE_DIR}/cmake/embed_trace.cmake
+    DEPENDS ${file} ${ARGN} ${PROJECT_SOURCE_DIR}/cmake/embed_trace.cmake ${PROJECT_SOURCE_DIR}/cmake/raw_string.cmake
     COMMENT "Embedding the kernel code for callers"
     VERBATIM)
 endfunction()

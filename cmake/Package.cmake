@@ -31,7 +31,7 @@ function(clbvh_package suffix kind)
   endif()
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/clbvh DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} ${ARGN}
     FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" ${left_out})
-  install(FILES ${PROJECT_SOURCE_DIR}/kernels/embed/clbvh_trace.clh DESTINATION ${clbvh_kernel_dir} ${ARGN})
+  install(FILES ${PROJECT_BINARY_DIR}/kernels/clbvh_trace.clh DESTINATION ${clbvh_kernel_dir} ${ARGN})
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} ${ARGN})
 
   # CMake package. A static library hands what it links to its consumer; a shared one has linked it already.

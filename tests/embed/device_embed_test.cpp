@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "embed/embedded_kernels.hpp"
 #include "support/builders.hpp"
 #include "support/found_rays.hpp"
+#include "support/hard_trees.hpp"
+#include "support/layout_trees.hpp"
+#include "support/meshes.hpp"
 #include "support/oracle/ray_oracle.hpp"
 
 using namespace clbvh;
@@ -17,10 +21,17 @@ using namespace clbvh::test;
 
 namespace {
 
-constexpr std::uint32_t kSolid = 3;  // every third triangle is a hole
+const TriangleTest kTests[] = {TriangleTest::watertight, TriangleTest::moller_trumbore};
 
 std::string options_of(TriangleTest test, const std::string& more = "") {
     return "-DCLBVH_TRIANGLE_TEST=" + std::to_string(test == TriangleTest::watertight ? 0 : 1) + " " + more;
+}
+
+/// What the kernels' pattern of holes lets count: see there. user[0][0] is `kPeriod`.
+constexpr std::uint32_t kPeriod = 3;
+bool is_solid(const Ray&, const Hit& hit) {
+    const auto column = static_cast<std::uint32_t>(hit.u * 8.0f), row = static_cast<std::uint32_t>(hit.v * 8.0f);
+    return (column + row + hit.primitive) % kPeriod != 0;
 }
 
 /// All hits in order, of those that a filter lets count.
@@ -55,58 +66,44 @@ void check_same(const Embedded& found, const Embedded& expected) {
     CHECK(count_differences(found.all, expected.all) == 0);
 }
 
-/// A scene, its trees and what the host finds in it.
-struct Case {
-    Mesh mesh;
-    Bvh bvh;
-    Wide8 wide;
-    std::vector<Ray> rays;
-
-    Case(const char* scene, std::uint64_t triangles, std::size_t rays_of_each_kind)
-        : mesh(generate_scene(scene, triangles)),
-          bvh(build(mesh, "binned-sah")),
-          wide(make_layout<Wide8>(bvh, mesh)),
-          rays(difficult_rays(mesh, rays_of_each_kind)) {
+/// A tree, rays, and what the host finds there.
+class Case {
+public:
+    Case(Mesh mesh, Bvh bvh, std::vector<Ray> rays)
+        : mesh_(std::move(mesh)), bvh_(std::move(bvh)), rays_(std::move(rays)) {}
+    Case(const char* scene, std::uint64_t triangles, std::string_view builder, std::size_t ray_count)
+        : mesh_(generate_scene(scene, triangles)),
+          bvh_(built_tree(builder, mesh_)),
+          rays_(difficult_rays(mesh_, ray_count / 12)) {
         const std::vector<Ray> untraceable = untraceable_rays();
-        rays.insert(rays.end(), untraceable.begin(), untraceable.end());
+        rays_.insert(rays_.end(), untraceable.begin(), untraceable.end());
     }
 
     /// Every layout, with these options, against the host.
     void check(TriangleTest test, const std::string& options = "") const {
-        const Tracer tracer(wide, {test});
-        const Embedded expected = found_by_tracer(tracer, rays, [](const Ray&, const Hit&) { return true; });
-        check_layouts(expected, options_of(test, options), 1);
+        const Tracer tracer(bvh_, mesh_, {test});
+        const auto every = [](const Ray&, const Hit&) { return true; };
+        check_layouts(found_by_tracer(tracer, rays_, every), options_of(test, options), {});
     }
     void check_filtered(TriangleTest test) const {
-        const Tracer tracer(wide, {test});
-        const Embedded expected =
-            found_by_tracer(tracer, rays, [](const Ray&, const Hit& hit) { return hit.primitive % kSolid != 0; });
-        check_layouts(expected, options_of(test, "-DCLBVH_ACCEPT_HIT=is_solid"), kSolid);
+        const Tracer tracer(bvh_, mesh_, {test});
+        check_layouts(found_by_tracer(tracer, rays_, is_solid), options_of(test, "-DCLBVH_ACCEPT_HIT=is_solid"),
+                      {{float{kPeriod}}});
     }
 
 private:
-    void check_layouts(const Embedded& expected, const std::string& options, std::uint32_t solid) const {
+    void check_layouts(const Embedded& expected, const std::string& options, const User& user) const {
         INFO(options);
-        {
-            INFO("wide8");
-            check_same(EmbeddedScene(wide).trace(options, rays, solid), expected);
-        }
-        {
-            INFO("binary");
-            check_same(EmbeddedScene(bvh, mesh).trace(options, rays, solid), expected);
-        }
-        {
-            INFO("pair");
-            check_same(EmbeddedScene(make_layout<PairLayout>(bvh), mesh).trace(options, rays, solid), expected);
-        }
-        {
-            INFO("skip");
-            check_same(EmbeddedScene(make_layout<SkipLayout>(bvh), mesh).trace(options, rays, solid), expected);
+        for (const EmbeddedScene& scene : embedded_scenes(bvh_, mesh_)) {
+            INFO(scene.layout());
+            check_same(scene.trace(options, rays_, user), expected);
         }
     }
-};
 
-const TriangleTest kTests[] = {TriangleTest::watertight, TriangleTest::moller_trumbore};
+    Mesh mesh_;
+    Bvh bvh_;
+    std::vector<Ray> rays_;
+};
 
 /// Whether the driver compiles this version of OpenCL C.
 bool speaks(const std::string& version) {
@@ -129,41 +126,91 @@ TEST_CASE("embedded: the source compiles alone, in each version of the language 
 }
 
 TEST_CASE("embedded: hits are the tracer's, in each layout and with each test") {
-    const Case scene("city", 20000, 8400);
-    CHECK(scene.rays.size() > 100000);
+    const Case scene("city", 20000, "binned-sah", 20000);
     for (const TriangleTest test : kTests)
         scene.check(test);
 }
 
-// Hidden, since it takes long on two cores.
-TEST_CASE("embedded: hits of a million rays are the tracer's", "[.million]") {
-    const Case scene("clustered", 100000, 84000);
-    CHECK(scene.rays.size() > 1000000);
-    for (const TriangleTest test : kTests) {
-        scene.check(test);
-        scene.check_filtered(test);
+TEST_CASE("embedded: hits are the tracer's, in trees of each kind") {
+    for (const char* builder : {"ploc", "hploc", "lbvh", "sbvh", "aac-fast", "median"}) {
+        for (const char* scene : {"hair", "clustered"}) {
+            INFO(builder << ", " << scene);
+            Case(scene, 3000, builder, 1200).check(TriangleTest::watertight);
+        }
     }
 }
 
+TEST_CASE("embedded: hits are the tracer's, in odd trees") {
+    for (const MeshTree& tree : odd_trees()) {
+        if (tree.bvh.nodes.empty()) continue;
+        INFO(tree.name);
+        Case(tree.mesh, tree.bvh, difficult_rays(tree.mesh, 20)).check(TriangleTest::watertight);
+    }
+}
+
+// Hidden, since it takes minutes.
+TEST_CASE("embedded: hits of a million rays are the tracer's", "[.million]") {
+    constexpr std::size_t kMillion = 1000000;
+    const struct {
+        const char *scene, *builder;
+        std::uint64_t triangles;
+        TriangleTest test;
+    } kCases[] = {{"clustered", "binned-sah", 100000, TriangleTest::watertight},
+                  {"city", "sbvh", 30000, TriangleTest::moller_trumbore}};
+    for (const auto& [scene, builder, triangles, test] : kCases) {
+        INFO(scene << ", " << builder);
+        Case(scene, triangles, builder, kMillion).check(test);
+    }
+    Case("hair", 20000, "hploc", kMillion).check_filtered(TriangleTest::watertight);
+}
+
 TEST_CASE("embedded: a filter lets hits count or not") {
-    const Case scene("clustered", 5000, 500);
-    for (const TriangleTest test : kTests)
-        scene.check_filtered(test);
+    Case("clustered", 5000, "binned-sah", 6000).check_filtered(TriangleTest::watertight);
 }
 
 TEST_CASE("embedded: hits do not depend on the stack, nor on how many are asked for at once") {
-    const Case scene("hair", 3000, 100);
-    for (const char* options : {"-DCLBVH_STACK=1 -DCAPACITY=1", "-DCLBVH_STACK=4 -DCLBVH_STACK_LEVELS=4 -DCAPACITY=64",
-                                "-DCLBVH_STACK=20 -DCLBVH_STACK_LEVELS=13", "-DCLBVH_STACK=200"})
+    const Case scene("hair", 3000, "binned-sah", 1200);
+    for (const char* options :
+         {"-DCLBVH_STACK=1 -DCAPACITY=1", "-DCLBVH_STACK=20 -DCLBVH_STACK_LEVELS=8 -DCAPACITY=64"})
         scene.check(TriangleTest::watertight, options);
+}
+
+TEST_CASE("embedded: a chain deeper than any stack is searched to its end") {
+    const Mesh mesh = random_triangles(3000);
+    Case(mesh, chain_tree(mesh), difficult_rays(mesh, 30)).check(TriangleTest::watertight);
+}
+
+TEST_CASE("embedded: compressed8 without the mesh finds the same hits, but for the rounding of its triangles") {
+    const Mesh mesh = generate_scene("city", 5000);
+    const Bvh bvh = build(mesh, "binned-sah");
+    std::vector<Ray> rays;
+    for (std::size_t i = 0; const Ray& ray : difficult_rays(mesh, 1000)) {
+        // Those between any points: others aim at vertices and edges, or begin on triangles.
+        if (const std::size_t kind = i++ % 12; kind < 2 || kind == 9 || kind == 10) rays.push_back(ray);
+    }
+    for (const TriangleTest test : kTests) {
+        const Tracer tracer(bvh, mesh, {test});
+        const Embedded found = EmbeddedScene(make_layout<Compressed8>(bvh, mesh)).trace(options_of(test), rays);
+        std::size_t hits = 0, others = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const Hit expected = tracer.closest(rays[i]);
+            hits += expected ? 1 : 0;
+            const float difference = std::abs(found.closest[i].t - expected.t);
+            const bool is_same = found.closest[i].primitive == expected.primitive &&
+                                 (!expected || difference <= 1e-4f * (1.0f + expected.t));
+            others += is_same && (found.any[i] != 0) == static_cast<bool>(expected) ? 0 : 1;
+        }
+        INFO("test " << static_cast<int>(test));
+        CHECK(hits > 500);
+        CHECK(others <= 2);
+    }
 }
 
 TEST_CASE("embedded: an empty tree is hit by nothing") {
     const std::vector<Ray> rays(5, Ray{{0, 0, 0}, 0.0f, {1, 0, 0}});
-    const Bvh bvh = build(Mesh{}, "binned-sah");
-    for (const EmbeddedScene& scene : {EmbeddedScene(Wide8{}), EmbeddedScene(bvh, Mesh{}),
-                                       EmbeddedScene(PairLayout{}, Mesh{}), EmbeddedScene(SkipLayout{}, Mesh{})}) {
-        const Embedded found = scene.trace("", rays);
+    for (const EmbeddedScene& scene : embedded_scenes(build(Mesh{}, "binned-sah"), Mesh{})) {
+        INFO(scene.layout());
+        const Embedded found = scene.trace(options_of(TriangleTest::watertight), rays);
         CHECK(std::ranges::none_of(found.closest, [](const Hit& hit) { return static_cast<bool>(hit); }));
         CHECK(std::ranges::none_of(found.any, [](std::uint8_t is_hit) { return is_hit != 0; }));
         CHECK(std::ranges::none_of(found.all, [](const AllHits& all) { return all.count != 0; }));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -8,6 +9,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/core/ray.hpp"
+#include "clbvh/layout/compressed8.hpp"
 #include "clbvh/layout/pair.hpp"
 #include "clbvh/layout/skip.hpp"
 #include "clbvh/layout/wide.hpp"
@@ -31,25 +33,37 @@ struct Embedded {
     std::vector<AllHits> all;
 };
 
+/// What kernels hand through to the hooks.
+using User = std::vector<std::array<float, 4>>;
+
 /// A scene in device memory as clbvh_trace.clh takes it.
 class EmbeddedScene {
 public:
     explicit EmbeddedScene(const Wide8& layout);
-    EmbeddedScene(const Bvh& bvh, const Mesh& mesh);
+    explicit EmbeddedScene(const Wide4& layout);
+    explicit EmbeddedScene(const Compressed8& layout);
+    EmbeddedScene(const Compressed8& layout, const Mesh& mesh);
     EmbeddedScene(const PairLayout& layout, const Mesh& mesh);
     EmbeddedScene(const SkipLayout& layout, const Mesh& mesh);
+    EmbeddedScene(const Bvh& bvh, const Mesh& mesh);
 
-    /// Traces through a program with these options, on the shared context; `solid` is what the program's filter takes.
-    [[nodiscard]] Embedded trace(const std::string& options, std::span<const Ray> rays, std::uint32_t solid = 1) const;
+    /// As CLBVH_LAYOUT has it.
+    [[nodiscard]] const std::string& layout() const noexcept { return layout_; }
+    /// Traces through a program with these options, on the shared context.
+    [[nodiscard]] Embedded trace(const std::string& options, std::span<const Ray> rays, const User& user = {}) const;
 
 private:
-    template <typename Tree>
-    EmbeddedScene(const char* layout, const Tree& tree, std::size_t count, const Mesh& mesh);
+    template <typename Nodes, typename Leaves>
+    EmbeddedScene(const char* layout, const Nodes& nodes, const Leaves& leaves, std::size_t count);
+    void set_mesh(const Mesh& mesh);
 
     std::string layout_;
     std::uint32_t count_ = 0;
     cl::Buffer nodes_, leaves_, vertices_, indices_;
 };
+
+/// A tree in each layout: where there are triangles of their own in it, with the mesh beside them.
+[[nodiscard]] std::vector<EmbeddedScene> embedded_scenes(const Bvh& bvh, const Mesh& mesh);
 
 /// Builds `source` behind clbvh::embed_source(), on the shared context. Fails the test with the log where that fails.
 [[nodiscard]] cl::Program build_embedded(const std::string& source, const std::string& options);
