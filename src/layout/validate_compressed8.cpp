@@ -52,7 +52,7 @@ public:
     Compressed8Check(const Compressed8& layout, const MeshView& mesh)
         : layout_(layout),
           mesh_(mesh),
-          leaves_(mesh, layout.primitive_count, layout.split_references),
+          leaves_(mesh, layout.primitive_count, layout.split_references, true),
           is_reached_(layout.nodes.size(), false),
           is_used_(layout.triangles.size(), false) {}
 
@@ -71,8 +71,7 @@ public:
         }
         reject_unused(is_reached_, "node");
         reject_unused(is_used_, "triangle");
-        if (layout_.depth != depth)
-            reject_layout("depth is " + std::to_string(layout_.depth) + " where it is " + std::to_string(depth));
+        check_depth(layout_.depth, depth);
         leaves_.finish();
     }
 
@@ -86,12 +85,6 @@ private:
     void push(std::size_t node, const Aabb& box, std::uint32_t depth) {
         is_reached_[node] = true;
         open_.push_back({node, box, depth});
-    }
-
-    static void reject_unused(const std::vector<bool>& used, const char* what) {
-        const auto unused = std::ranges::find(used, false);
-        if (unused != used.end())
-            reject_layout(std::string(what) + " " + std::to_string(unused - used.begin()) + " is not part of the tree");
     }
 
     void enter(const Open& open) {

@@ -14,7 +14,7 @@ using namespace layout;
 class PairCheck {
 public:
     PairCheck(const PairLayout& layout, const Primitives& primitives)
-        : layout_(layout), leaves_(primitives, layout.primitive_count, layout.split_references) {}
+        : layout_(layout), leaves_(primitives, layout.primitive_count, layout.split_references, false) {}
 
     void run() {
         // Nothing has the root's box.
@@ -33,8 +33,7 @@ public:
         if (!children_.empty()) reject_layout("the last nodes are missing");
         if (ids_ != layout_.primitive_ids.size())
             reject_layout("there are primitive ids behind those of the last leaf");
-        if (!layout_.empty() && layout_.depth != depth_)
-            reject_layout("depth is " + std::to_string(layout_.depth) + " where it is " + std::to_string(depth_));
+        check_depth(layout_.depth, depth_);
         leaves_.finish();
     }
 

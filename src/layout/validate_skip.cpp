@@ -14,7 +14,7 @@ using namespace layout;
 class SkipCheck {
 public:
     SkipCheck(const SkipLayout& layout, const Primitives& primitives)
-        : layout_(layout), leaves_(primitives, layout.primitive_count, layout.split_references) {}
+        : layout_(layout), leaves_(primitives, layout.primitive_count, layout.split_references, false) {}
 
     void run() {
         for (std::size_t i = 0; i < layout_.nodes.size(); ++i) {
@@ -28,8 +28,7 @@ public:
         }
         if (ids_ != layout_.primitive_ids.size())
             reject_layout("there are primitive ids behind those of the last leaf");
-        if (!layout_.empty() && layout_.depth != depth_)
-            reject_layout("depth is " + std::to_string(layout_.depth) + " where it is " + std::to_string(depth_));
+        check_depth(layout_.depth, depth_);
         leaves_.finish();
     }
 

@@ -77,6 +77,7 @@ void WideConverter<Width>::run(const TreeView& tree, const MeshView& mesh, WideL
 template <std::uint32_t Width>
 void WideConverter<Width>::convert(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result) {
     result.primitive_count = tree.primitive_count;
+    result.split_references = tree.split_references;
     if (tree.nodes.empty()) return;
     opening_.run(tree.nodes);
     if (opening_.block_count() > WideChild::kFirstBlockMask) {

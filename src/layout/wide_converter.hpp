@@ -15,10 +15,11 @@ struct TreeView {
     std::span<const Node> nodes;
     std::span<const std::uint32_t> primitive_ids;
     std::uint64_t primitive_count = 0;
+    bool split_references = false;
 };
 
 [[nodiscard]] inline TreeView view_of(const Bvh& bvh) noexcept {
-    return {bvh.nodes, bvh.primitive_ids, bvh.primitive_count};
+    return {bvh.nodes, bvh.primitive_ids, bvh.primitive_count, bvh.split_references};
 }
 
 /// Joins up to four triangles to a leaf, as many as a block holds.

@@ -26,9 +26,9 @@ public:
     [[nodiscard]] std::uint32_t byte(std::size_t offset) const {
         return std::to_integer<std::uint32_t>(bytes_[offset]);
     }
+    [[nodiscard]] float number(std::size_t offset) const { return std::bit_cast<float>(word(offset)); }
     [[nodiscard]] Vec3 point(std::size_t offset) const {
-        return {std::bit_cast<float>(word(offset)), std::bit_cast<float>(word(offset + 4)),
-                std::bit_cast<float>(word(offset + 8))};
+        return {number(offset), number(offset + 4), number(offset + 8)};
     }
 
 private:
@@ -102,6 +102,34 @@ std::size_t search_compressed8(const Compressed8& layout, Search& search, std::u
     return visited;
 }
 
+/// The triangles of blocks are taken from the mesh, by their numbers.
+Hit search_wide(const void* nodes, const void* blocks, std::size_t width, const Mesh& mesh, const Ray& ray) {
+    Search search(mesh, ray);
+    std::vector<std::uint32_t> stack{0};
+    while (!stack.empty()) {
+        const NodeBytes node(nodes, stack.back(), 28 * width);
+        stack.pop_back();
+        for (std::size_t slot = 0; slot < width; ++slot) {
+            const std::uint32_t child = node.word(24 * width + 4 * slot);
+            const auto corner = [&](std::size_t side) {
+                const std::size_t x = 12 * width * side + 4 * slot;
+                return Vec3{node.number(x), node.number(x + 4 * width), node.number(x + 8 * width)};
+            };
+            if (child == 0xFFFFFFFF || !search.meets({corner(0), corner(1)})) continue;
+            if (child >> 31U == 0) {
+                stack.push_back(child);
+                continue;
+            }
+            for (std::uint32_t i = 0; i <= (child >> 28U & 7U); ++i) {
+                const NodeBytes block(blocks, (child & 0xFFFFFFFU) + i, 160);
+                for (std::size_t lane = 0; lane < 4; ++lane)
+                    if (block.word(144 + 4 * lane) != 0xFFFFFFFF) search.test(block.word(144 + 4 * lane));
+            }
+        }
+    }
+    return search.hit();
+}
+
 std::uint32_t octant_of(const Ray& ray) {
     return (ray.direction.x < 0.0f ? 4U : 0U) | (ray.direction.y < 0.0f ? 2U : 0U) | (ray.direction.z < 0.0f ? 1U : 0U);
 }
@@ -144,6 +172,16 @@ Hit closest_in(const Compressed8& layout, const Mesh& mesh, const Ray& ray) {
     Search search(mesh, ray);
     search_compressed8(layout, search, octant_of(ray), false);
     return search.hit();
+}
+
+Hit closest_in(const Wide8& layout, const Mesh& mesh, const Ray& ray) {
+    if (hits_nothing(ray) || layout.empty()) return {};
+    return search_wide(layout.nodes.data(), layout.blocks.data(), 8, mesh, ray);
+}
+
+Hit closest_in(const Wide4& layout, const Mesh& mesh, const Ray& ray) {
+    if (hits_nothing(ray) || layout.empty()) return {};
+    return search_wide(layout.nodes.data(), layout.blocks.data(), 4, mesh, ray);
 }
 
 OrderCosts order_costs(const Compressed8& layout, const Mesh& mesh, const Ray& ray) {

@@ -5,6 +5,7 @@
 #include "clbvh/layout/compressed8.hpp"
 #include "clbvh/layout/pair.hpp"
 #include "clbvh/layout/skip.hpp"
+#include "clbvh/layout/wide.hpp"
 
 namespace clbvh::test {
 
@@ -13,6 +14,8 @@ namespace clbvh::test {
 [[nodiscard]] Hit closest_in(const SkipLayout& layout, const Mesh& mesh, const Ray& ray);
 [[nodiscard]] Hit closest_in(const PairLayout& layout, const Mesh& mesh, const Ray& ray);
 [[nodiscard]] Hit closest_in(const Compressed8& layout, const Mesh& mesh, const Ray& ray);
+[[nodiscard]] Hit closest_in(const Wide8& layout, const Mesh& mesh, const Ray& ray);
+[[nodiscard]] Hit closest_in(const Wide4& layout, const Mesh& mesh, const Ray& ray);
 
 /// How many nodes that search visits, and how many where it visits the slots of each node from the last to the first
 /// of its octant's order.

@@ -63,6 +63,7 @@ struct WideLayout {
     LayoutArray<TriangleBlock> blocks;
     std::uint32_t depth = 0;            ///< Nodes on the longest path.
     std::uint64_t primitive_count = 0;  ///< Of the mesh: primitives of blocks are below it.
+    bool split_references = false;      ///< As of the tree: see Bvh.
 
     [[nodiscard]] bool empty() const noexcept { return nodes.empty(); }
     /// Empties it, and keeps its memory.
@@ -71,6 +72,7 @@ struct WideLayout {
         blocks.clear();
         depth = 0;
         primitive_count = 0;
+        split_references = false;
     }
 };
 using Wide4 = WideLayout<4>;
@@ -94,5 +96,15 @@ CLBVH_API void make_layout(const Bvh& bvh, const MeshView& mesh, Wide4& result, 
 /// number of triangles; the layout is then as it was.
 CLBVH_API void refit(Wide8& layout, const MeshView& mesh, const LayoutOptions& options = {});
 CLBVH_API void refit(Wide4& layout, const MeshView& mesh, const LayoutOptions& options = {});
+
+/// Proves that the layout is a tree over the mesh: children and blocks as documented, every active triangle in one leaf
+/// (or, with split references, covered by its leaves), inactive ones in none, vertices those of the mesh bit for bit,
+/// and every box around all that is below. Throws Error(invalid_input) naming the first offender. Never reads out of
+/// range. O(n) time and memory, and for split references that of clbvh::validate.
+///
+/// A layout that was refitted is proven over the mesh that it was refitted to, as long as the same triangles are
+/// active.
+CLBVH_API void validate(const Wide8& layout, const MeshView& mesh);
+CLBVH_API void validate(const Wide4& layout, const MeshView& mesh);
 
 }  // namespace clbvh
