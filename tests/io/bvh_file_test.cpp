@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "clbvh/core/primitives.hpp"
+#include "io/file_fields.hpp"
 #include "io/temp_folder.hpp"
 #include "support/expect_error.hpp"
 
@@ -49,18 +50,6 @@ std::string bytes_of(const Bvh& bvh) {
     const TempFolder folder;
     write_bvh(bvh, folder.path("tree.bvh"));
     return content_of(folder.path("tree.bvh"));
-}
-
-template <typename T>
-T field(const std::string& bytes, std::size_t offset) {
-    T value{};
-    std::memcpy(&value, bytes.data() + offset, sizeof value);
-    return value;
-}
-
-template <typename T>
-std::string with_field(std::string bytes, std::size_t offset, T value) {
-    return bytes.replace(offset, sizeof value, reinterpret_cast<const char*>(&value), sizeof value);
 }
 
 void expect_refused(const std::string& bytes, const std::string& reason) {

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <clbvh/builder.hpp>
 #include <clbvh/io/bvh_file.hpp>
+#include <clbvh/io/layout_file.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "cli/builder_choice.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/json_output.hpp"
+#include "cli/layout_choice.hpp"
 #include "cli/open_builder.hpp"
 #include "cli/output_file.hpp"
 #include "cli/progress_bar.hpp"
@@ -33,6 +35,7 @@ struct BuildCommandArguments {
     BuildArguments build;
     bool validate = false;
     std::string output;
+    std::string layout;  // empty where the tree itself is written
     JsonOutput json;
 };
 
@@ -69,6 +72,29 @@ Bvh build_twice(const BuildCommandArguments& arguments, const std::optional<Cont
     return builder.download();
 }
 
+template <typename Layout>
+void lay_out(const Bvh& bvh, const Mesh& mesh, Layout& layout, const LayoutOptions& options) {
+    if constexpr (requires { layout.primitive_ids; }) {
+        make_layout(bvh, layout, options);
+    } else {
+        make_layout(bvh, mesh, layout, options);
+    }
+}
+
+/// Returns what the report says of it.
+std::string write_output(const BuildCommandArguments& arguments, const Bvh& bvh, const Mesh& mesh) {
+    if (arguments.layout.empty()) {
+        write_bvh(bvh, arguments.output);
+        return arguments.output;
+    }
+    with_layout(layout_kind(arguments.layout), [&](auto layout) {
+        lay_out(bvh, mesh, layout, {.thread_count = arguments.build.options.thread_count});
+        if (arguments.validate) validate(layout, mesh);
+        write_layout(layout, arguments.output);
+    });
+    return arguments.output + ", " + arguments.layout;
+}
+
 int build(const BuildCommandArguments& arguments) {
     check_arguments(arguments);
     const BuilderChoice choice = choose_builders(arguments.builder, arguments.build.device, kOneBuilderWayOut);
@@ -83,8 +109,8 @@ int build(const BuildCommandArguments& arguments) {
     const Bvh bvh = build_twice(arguments, context, mesh, result);
     describe_tree(result, bvh, mesh, arguments.validate);
     throw_if_interrupted();
-    const std::string output = result.valid.value_or(true) ? arguments.output : "";
-    if (!output.empty()) write_bvh(bvh, output);
+    const bool is_written = result.valid.value_or(true) && !arguments.output.empty();
+    const std::string output = is_written ? write_output(arguments, bvh, mesh) : "";
     if (arguments.json.leaves_standard_output())
         fmt::print("{}", build_report(context, arguments.loading, result, load_ms, output));
     const std::span<const BuildResult> results(&result, 1);
@@ -110,10 +136,15 @@ Command add_build_command(CLI::App& app) {
         ->capture_default_str();
     arguments->loading.add_options(*command);
     arguments->build.add_options(*command);
-    command->add_option("-o,--output", arguments->output, "Write the tree to this file, which clbvh dump shows")
-        ->type_name("FILE")
-        ->check(require_file_name);
-    command->add_flag("--validate", arguments->validate, "Prove the tree right; exit code 3 where it is not");
+    CLI::Option* output =
+        command->add_option("-o,--output", arguments->output, "Write the tree to this file, which clbvh dump shows")
+            ->type_name("FILE")
+            ->check(require_file_name);
+    command->add_option("--layout", arguments->layout, "Write this layout of the tree in its place")
+        ->needs(output)
+        ->check(CLI::IsMember({"wide8", "wide4", "compressed8", "pair", "skip"}));
+    command->add_flag("--validate", arguments->validate,
+                      "Prove the tree right, and its layout; exit code 3 where the tree is not");
     arguments->json.add_option(*command);
     return {command, [arguments] { return build(*arguments); }};
 }

@@ -4,6 +4,7 @@
 #include <clbvh/io/bvh_file.hpp>
 #include <clbvh/io/scene.hpp>
 #include <clbvh/metrics/sah.hpp>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
@@ -274,6 +275,29 @@ TEST_CASE("build reports the file that it wrote") {
     with_output.insert(with_output.end(), {"-o", path});
     CHECK_THAT(run_tool(with_output).out, Contains("\noutput     " + path + "\n"));
     CHECK(folder.file_count() == 1);
+}
+
+TEST_CASE("build writes layouts, and dump says what they hold") {
+    const ScratchFolder folder;
+    const std::string path = folder.path("layout");
+    for (const auto& [kind, elements] :
+         {std::pair{"wide8", "blocks"}, std::pair{"wide4", "blocks"}, std::pair{"compressed8", "triangles"},
+          std::pair{"pair", "primitive_ids"}, std::pair{"skip", "primitive_ids"}}) {
+        const Outcome built =
+            run_tool({"build", "gen:soup:100", "--builder", "sbvh", "--validate", "--layout", kind, "-o", path});
+        INFO(built.err);
+        REQUIRE(built.exit_code == 0);
+        CHECK_THAT(built.out, Contains("\noutput     " + path + ", " + kind + "\n"));
+        const ordered_json shown = ordered_json::parse(run_tool({"dump", path, "--json"}).out);
+        CHECK(field_names(shown) ==
+              Words{"layout", "primitive_count", "split_references", "depth", "nodes", elements, "bytes"});
+        CHECK(shown["layout"] == kind);
+        CHECK(shown["primitive_count"] == 100);
+        CHECK(shown["split_references"] == true);
+        CHECK(shown["bytes"] == std::filesystem::file_size(path));
+    }
+    expect_failure({"gen:soup:10", "--layout", "wide8"}, {"-o"});
+    expect_failure({"gen:soup:10", "--layout", "wide16", "-o", path}, {"wide16"});
 }
 
 TEST_CASE("build's JSON holds the options that were in force") {

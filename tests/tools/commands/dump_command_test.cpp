@@ -2,9 +2,11 @@
 #include <catch2/catch.hpp>
 #include <clbvh/builder.hpp>
 #include <clbvh/io/bvh_file.hpp>
+#include <clbvh/io/layout_file.hpp>
 #include <clbvh/io/scene.hpp>
 #include <clbvh/metrics/tree_statistics.hpp>
 #include <cstdio>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -166,6 +168,24 @@ TEST_CASE("boxes that are not finite are null in dump's JSON, and an error in OB
     CHECK(outcome.exit_code == 1);
     CHECK(outcome.out.empty());
     CHECK_THAT(outcome.err, StartsWith("clbvh: error: node 6: its box is not finite"));
+}
+
+TEST_CASE("dump shows whole layouts as JSON, and no more") {
+    const ScratchFolder folder;
+    const std::string path = folder.path("layout");
+    write_layout(make_layout<PairLayout>(small_tree()), path);
+    CHECK(run_tool({"dump", path, "--json"}).exit_code == 0);
+    for (const Words& options : {Words{"--obj"}, Words{"--json", "-", "--depth", "3"}}) {
+        Words words{"dump", path};
+        words.insert(words.end(), options.begin(), options.end());
+        const Outcome outcome = run_tool(words);
+        CHECK(outcome.exit_code == 1);
+        CHECK_THAT(outcome.err, Contains("holds a layout"));
+    }
+    std::string damaged = read_text(path);
+    damaged.back() ^= 1;
+    std::ofstream(path, std::ios::binary) << damaged;
+    CHECK_THAT(run_tool({"dump", path, "--json"}).err, Contains("the hash does not match"));
 }
 
 TEST_CASE("dump says what it cannot read or write, and what is missing") {
