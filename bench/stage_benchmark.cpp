@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "catalog/builder_rows.hpp"
 #include "clbvh/core/error.hpp"
 #include "device/build/bounds.hpp"
 #include "device/build/device_algorithm.hpp"
@@ -56,11 +57,11 @@ void before_clustering(StageRunner& on, Launcher& launcher) {
 
 /// Kernel `name` of plocpp.cl, and how many groups its first iteration has.
 device::Kernel& plocpp_kernel(StageRunner& on, std::string_view name) {
-    return on.session().kernel(device::kPlocpp.program(on.settings()), name);
+    return on.session().kernel(find_builder_row("plocpp").device_algorithm->program(on.settings()), name);
 }
 
 std::uint32_t plocpp_groups(StageRunner& on) {
-    const std::uint32_t chunk = on.settings().chunk_size(2 * on.settings().search_radius);
+    const std::uint32_t chunk = on.settings().chunk_size(2 * on.settings().configs.ploc.search_radius);
     return device::cut_into_pieces(on.size(), on.settings().groups_to_fill, chunk).count;
 }
 

@@ -1,5 +1,6 @@
 #include "stage_runner.hpp"
 
+#include "catalog/builder_rows.hpp"
 #include "clbvh/io/scene.hpp"
 
 namespace clbvh::bench {
@@ -23,8 +24,7 @@ cl::Buffer upload(const device::Session& session, const void* data, std::size_t 
 
 StageRunner::StageRunner(const BuildOptions& options, std::uint32_t triangles)
     : context_(shared_context()),
-      settings_(device::resolve_settings({.device = options.device, .ploc = options.ploc, .hploc = options.hploc},
-                                         context_.session())) {
+      settings_(device::resolve_settings(*find_builder_row("plocpp").device_algorithm, options, context_.session())) {
     const Mesh mesh = generate_scene(kScene, triangles);
     mesh_.vertices = upload(session(), mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
     mesh_.triangles = upload(session(), mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));

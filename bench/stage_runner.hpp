@@ -7,6 +7,7 @@
 
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/device/context.hpp"
+#include "clbvh/options.hpp"
 #include "device/build/build_buffers.hpp"
 #include "device/opencl/launcher.hpp"
 

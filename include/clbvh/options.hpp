@@ -7,9 +7,7 @@
 #include <vector>
 
 #include "clbvh/core/build_stats.hpp"
-#include "clbvh/device/device_config.hpp"
-#include "clbvh/device/hploc.hpp"
-#include "clbvh/device/ploc.hpp"
+#include "clbvh/device/device_builder_configs.hpp"
 #include "clbvh/export.h"
 #include "clbvh/host/binned_sah.hpp"
 #include "clbvh/host/sbvh.hpp"
@@ -31,9 +29,9 @@ enum class OptimizeOn : std::uint8_t {
     return {};
 }
 
-/// Options of all builds, and one Config for each builder or family of builders that has options of its own. Each
-/// builder reads those that concern it; options() says which.
-struct BuildOptions {
+/// Options of all builds, and one Config for each builder or family of builders that has options of its own; those of
+/// device builders are DeviceBuilderConfigs' members. Each builder reads those that concern it; options() says which.
+struct BuildOptions : DeviceBuilderConfigs {
     float inner_cost = 1.2f;           ///< Cost of visiting an inner node, above 0: SAH builders, merging of leaves.
     float primitive_cost = 1.0f;       ///< Cost of testing one primitive, above 0: the same.
     std::uint32_t max_leaf_size = 0;   ///< Most primitives of a leaf, 1 to 64. Where given, the finished tree's leaves
@@ -53,9 +51,6 @@ struct BuildOptions {
     /// The costs and the largest leaf of these two are those above: here they must be left alone.
     BinnedSahConfig binned_sah;
     SbvhConfig sbvh;
-    DeviceConfig device;  ///< All device builders.
-    PlocConfig ploc;
-    HplocConfig hploc;
 
     ProgressCallback progress;  ///< See ProgressCallback; may cancel.
 };

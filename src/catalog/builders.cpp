@@ -14,11 +14,16 @@
 #if defined(CLBVH_NO_OPENCL)
 #define ON_DEVICE(algorithm) nullptr
 #else
-#include "device/build/device_algorithm.hpp"
 #define ON_DEVICE(algorithm) (&device::algorithm)
 #endif
 
 namespace clbvh {
+
+// Each is a file of src/device/build.
+namespace device {
+extern const DeviceAlgorithm kPloc, kPlocpp, kPlocppTwoLevel, kHploc, kLbvh;
+}
+
 namespace {
 
 /// The costs and the leaf size of a build in a builder's Config. A zero BuildOptions::max_leaf_size leaves the choice

@@ -4,15 +4,12 @@
 
 namespace clbvh {
 
-device::DeviceConfigs device_configs_for(std::string_view builder_id, const BuildOptions& options) {
+DeviceBuilderConfigs device_configs_for(std::string_view builder_id, const BuildOptions& options) {
     BuildOptions read = options;
     for (const OptionRow& row : option_rows()) {
         if (!reads_option(builder_id, row.name)) set_value(row.value, row.name, get_value(row.value, {}), read);
     }
-    return {.device = read.device,
-            .ploc = read.ploc,
-            .hploc = read.hploc,
-            .searches_chunks = reads_option(builder_id, "ploc.chunk_size")};
+    return read;
 }
 
 }  // namespace clbvh

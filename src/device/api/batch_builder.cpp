@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "catalog/builder_rows.hpp"
 #include "catalog/device_configs.hpp"
 #include "clbvh/core/error.hpp"
 #include "core/memory_errors.hpp"
@@ -33,8 +34,10 @@ device::BuildSettings resolve_batch_settings(const BuildOptions& options, Sessio
                     "optimizers work on one tree at a time, which BatchBuilder leaves out; use DeviceBuilder, or leave "
                     "them alone");
     }
-    const device::BuildSettings settings = device::resolve_settings(device_configs_for("plocpp", options), session);
-    if (settings.morton_code != MortonCode::xyz || !settings.packed_keys()) {
+    const BuilderRow& plocpp = find_builder_row("plocpp");
+    const device::BuildSettings settings =
+        device::resolve_settings(*plocpp.device_algorithm, device_configs_for(plocpp.info.id, options), session);
+    if (options.device.morton_code != MortonCode::xyz || !settings.packed_keys()) {
         throw Error(ErrorCode::unsupported,
                     "batches are sorted by 3D Morton codes of 33 or 44 bits; leave morton_code and code_bits alone");
     }

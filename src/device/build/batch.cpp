@@ -40,7 +40,7 @@ BatchPlan plan_batch(std::uint64_t primitives, std::uint64_t trees) {
 
 ProgramSpec batch_program(const BuildSettings& settings) {
     return {"batch.cl", settings.lane() ? 1 : std::min(kLargestBatchGroup, settings.cluster_group_size),
-            settings.search_defines() + " -D MOST_CODE_BITS=" + std::to_string(settings.code_bits)};
+            settings.search_defines() + " -D MOST_CODE_BITS=" + std::to_string(settings.configs.device.code_bits)};
 }
 
 void launch_batch(Launcher& launcher, const BuildSettings& settings, const BatchPlan& plan, const BatchJob& job) {

@@ -5,6 +5,7 @@
 #include <initializer_list>
 
 #include "clbvh/core/error.hpp"
+#include "device/build/device_algorithm.hpp"
 
 namespace clbvh::device {
 namespace {
@@ -48,7 +49,7 @@ void resolve_sort(BuildSettings& settings, const DeviceInfo& info) {
 
 std::size_t chosen_group_size(const BuildSettings& settings, const Profile& profile, const DeviceInfo& info,
                               std::size_t largest) {
-    if (profile.work_group_size > 4 * settings.search_radius && profile.work_group_size <= largest) {
+    if (profile.work_group_size > 4 * settings.configs.ploc.search_radius && profile.work_group_size <= largest) {
         return profile.work_group_size;
     }
     return info.type == DeviceType::cpu ? std::min(kCpuGroup, largest) : largest;
@@ -64,16 +65,16 @@ void resolve_group_sizes(BuildSettings& settings, const PlocConfig& config, cons
                                                 " is too large for " + info.name + ", which fits " +
                                                 std::to_string(largest));
     }
-    if (settings.cluster_group_size <= std::size_t{4} * settings.search_radius) {
-        throw Error(ErrorCode::invalid_input,
-                    "work_group_size " + std::to_string(settings.cluster_group_size) +
-                        " leaves no chunk beside 4 * search_radius = " + std::to_string(4 * settings.search_radius));
+    if (settings.cluster_group_size <= std::size_t{4} * settings.configs.ploc.search_radius) {
+        throw Error(ErrorCode::invalid_input, "work_group_size " + std::to_string(settings.cluster_group_size) +
+                                                  " leaves no chunk beside 4 * search_radius = " +
+                                                  std::to_string(4 * settings.configs.ploc.search_radius));
     }
 }
 
 std::uint32_t chosen_lane_chunk(const BuildSettings& settings, const Profile& profile, const DeviceInfo& info) {
     const auto fits = [&](std::uint32_t chunk) {
-        return lane_local_bytes(chunk, settings.search_radius) <= info.local_memory_bytes;
+        return lane_local_bytes(chunk, settings.configs.ploc.search_radius) <= info.local_memory_bytes;
     };
     if (profile.chunk_size != 0 && fits(profile.chunk_size)) return profile.chunk_size;
     std::uint32_t chunk = kLaneChunk;
@@ -85,7 +86,7 @@ std::uint32_t chosen_lane_chunk(const BuildSettings& settings, const Profile& pr
 void resolve_lane_sizes(BuildSettings& settings, const PlocConfig& config, const Profile& profile,
                         const DeviceInfo& info) {
     settings.lane_chunk_size = config.chunk_size != 0 ? config.chunk_size : chosen_lane_chunk(settings, profile, info);
-    if (lane_local_bytes(settings.lane_chunk_size, settings.search_radius) > info.local_memory_bytes) {
+    if (lane_local_bytes(settings.lane_chunk_size, settings.configs.ploc.search_radius) > info.local_memory_bytes) {
         throw Error(ErrorCode::unsupported, "chunk_size " + std::to_string(settings.lane_chunk_size) +
                                                 " needs more local memory than the " +
                                                 std::to_string(info.local_memory_bytes) + " bytes of " + info.name);
@@ -99,18 +100,10 @@ std::uint32_t first_not_zero(std::initializer_list<std::uint32_t> values) {
 }  // namespace
 
 std::string BuildSettings::search_defines() const {
-    return " -D SEARCH_RADIUS=" + std::to_string(search_radius) + " -D ENCODING=" + (exact_distances ? "64" : "32") +
+    return " -D SEARCH_RADIUS=" + std::to_string(configs.ploc.search_radius) +
+           " -D ENCODING=" + (exact_distances ? "64" : "32") +
            " -D SYMMETRIC_SEARCH=" + (symmetric_search ? "1" : "0") +
            (lane() ? " -D CHUNK=" + std::to_string(lane_chunk_size) : "");
-}
-
-std::string BuildSettings::hploc_defines() const {
-    return " -D CLUSTER_LIMIT=" + std::to_string(hploc.cluster_limit) +
-           " -D SMALL_RANGE=" + std::to_string(hploc.small_range) +
-           " -D SMALL_LIMIT=" + std::to_string(hploc.small_limit) +
-           " -D MERGE_PAIRS=" + (hploc.merge_pairs ? "1" : "0") +
-           " -D SEARCH_RADIUS=" + std::to_string(hploc.search_radius) +
-           " -D LEAF_SIZE=" + std::to_string(hploc.leaf_size);
 }
 
 Pieces BuildSettings::sort_pieces(std::uint32_t elements) const {
@@ -120,21 +113,21 @@ Pieces BuildSettings::sort_pieces(std::uint32_t elements) const {
 
 KeyLayout BuildSettings::key_layout(std::uint32_t primitives) const {
     const auto index_bits = static_cast<std::uint32_t>(std::bit_width(primitives - 1));
-    return {index_bits, std::min(code_bits, 64 - index_bits)};
+    return {index_bits, std::min(configs.device.code_bits, 64 - index_bits)};
 }
 
-BuildSettings resolve_settings(const DeviceConfigs& configs, Session& session) {
-    const auto& [device, ploc, hploc, searches_chunks] = configs;
+BuildSettings resolve_settings(const DeviceAlgorithm& algorithm, const DeviceBuilderConfigs& configs,
+                               Session& session) {
+    const DeviceConfig& device = configs.device;
+    const PlocConfig& ploc = configs.ploc;
     const DeviceInfo& info = session.info();
     const Profile profile = session.profile().profile.value_or(Profile{});
     BuildSettings settings;
+    settings.configs = configs;
     static_cast<DeviceFit&>(settings) = fit_to_device(session, device.shape);
     // The lane shape needs its self-test, whatever a profile says.
     const bool sorts_in_groups = device.sort_shape == Shape::automatic && profile.sort_shape == Shape::group;
     settings.sort_shape = sorts_in_groups ? Shape::group : definite_shape(session, device.sort_shape);
-    settings.search_radius = ploc.search_radius;
-    settings.morton_code = device.morton_code;
-    settings.code_bits = device.code_bits;
     settings.exact_distances = ploc.neighbour_encoding == NeighbourEncoding::bits64;
     settings.symmetric_search = ploc.neighbour_search == NeighbourSearch::symmetric ||
                                 (ploc.neighbour_search == NeighbourSearch::automatic && info.type != DeviceType::cpu);
@@ -148,9 +141,8 @@ BuildSettings resolve_settings(const DeviceConfigs& configs, Session& session) {
     }
     settings.single_group_threshold =
         first_not_zero({ploc.single_group_threshold, profile.single_group_threshold, kSingleGroupThreshold});
-    settings.hploc = hploc;
     resolve_sort(settings, info);
-    if (!searches_chunks) {
+    if (!algorithm.searches_chunks) {
         settings.cluster_group_size = settings.stream_group_size;
     } else if (settings.lane()) {
         resolve_lane_sizes(settings, ploc, profile, info);

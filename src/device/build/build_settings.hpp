@@ -3,9 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "clbvh/device/device_config.hpp"
-#include "clbvh/device/hploc.hpp"
-#include "clbvh/device/ploc.hpp"
+#include "clbvh/device/device_builder_configs.hpp"
 #include "device/opencl/device_fit.hpp"
 #include "kernels/build/build_constants.h"
 
@@ -17,20 +15,11 @@ struct KeyLayout {
     std::uint32_t code_bits;
 };
 
-/// The options of a device builder.
-struct DeviceConfigs {
-    DeviceConfig device;
-    PlocConfig ploc;
-    HplocConfig hploc;
-    bool searches_chunks = true;  ///< PlocConfig's chunk_size and work_group_size are read, and have to fit the search
-                                  ///< radius and local memory.
-};
+struct DeviceAlgorithm;
 
 /// A builder's options made definite for one device: every automatic choice taken, every size known.
 struct BuildSettings : DeviceFit {
-    std::uint32_t search_radius = 16;
-    MortonCode morton_code = MortonCode::xyz;
-    std::uint32_t code_bits = 44;  ///< leading bits of the code that are sorted, if that many fit beside the index
+    DeviceBuilderConfigs configs;  ///< As they were given; what they leave to be chosen is chosen below.
     bool exact_distances = false;  ///< 64-bit neighbour encoding
     bool symmetric_search = true;
     std::uint32_t single_group_threshold = 0;
@@ -43,7 +32,6 @@ struct BuildSettings : DeviceFit {
     /// Most iterations that are enqueued before their counts are read, 1 to 64. The same on every device: tests look at
     /// one iteration at a time by setting it.
     std::uint32_t iterations_in_flight = 8;
-    HplocConfig hploc;
 
     /// Pieces of a pass of the sort.
     [[nodiscard]] Pieces sort_pieces(std::uint32_t elements) const;
@@ -52,22 +40,22 @@ struct BuildSettings : DeviceFit {
         return sort_shape == Shape::lane ? kernels::LANE_RADIX_BITS : kernels::GROUP_RADIX_BITS;
     }
     /// True where code and index are sorted as one 64-bit key, false for pairs of 32-bit keys with a value.
-    [[nodiscard]] bool packed_keys() const noexcept { return code_bits < 63; }
+    [[nodiscard]] bool packed_keys() const noexcept { return configs.device.code_bits < 63; }
     [[nodiscard]] KeyLayout key_layout(std::uint32_t primitives) const;
     /// True where leaves may have several primitives.
-    [[nodiscard]] bool groups_primitives() const noexcept { return hploc.leaf_size > 1; }
+    [[nodiscard]] bool groups_primitives() const noexcept { return configs.hploc.leaf_size > 1; }
     /// Clusters a chunk where `border` more are loaded to each side.
     [[nodiscard]] std::uint32_t chunk_size(std::uint32_t border) const noexcept {
         return lane() ? lane_chunk_size : static_cast<std::uint32_t>(cluster_group_size) - 2 * border;
     }
     /// -D options for kernels that search neighbours.
     [[nodiscard]] std::string search_defines() const;
-    /// -D options for the kernels of hploc.cl.
-    [[nodiscard]] std::string hploc_defines() const;
 };
 
-/// Takes every automatic choice for `session`'s device. `configs` are in range. Throws Error(invalid_input) where they
-/// contradict each other, and Error(unsupported) where the device cannot do what they ask.
-[[nodiscard]] BuildSettings resolve_settings(const DeviceConfigs& configs, Session& session);
+/// Takes every automatic choice of `algorithm` for `session`'s device. `configs` are in range. Throws
+/// Error(invalid_input) where they contradict each other, and Error(unsupported) where the device cannot do what they
+/// ask.
+[[nodiscard]] BuildSettings resolve_settings(const DeviceAlgorithm& algorithm, const DeviceBuilderConfigs& configs,
+                                             Session& session);
 
 }  // namespace clbvh::device

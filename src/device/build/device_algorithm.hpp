@@ -27,13 +27,10 @@ struct DeviceAlgorithm {
     BoxOrder box_order = BoxOrder::morton;
     /// The program of its kernels, beside those of the stages.
     ProgramSpec (*program)(const BuildSettings& settings);
+    /// Its kernels search chunks of clusters: PlocConfig's chunk_size and work_group_size are heeded, and have to fit
+    /// the search radius and local memory.
+    bool searches_chunks = false;
 };
-
-extern const DeviceAlgorithm kPloc;
-extern const DeviceAlgorithm kPlocpp;
-extern const DeviceAlgorithm kPlocppTwoLevel;
-extern const DeviceAlgorithm kHploc;
-extern const DeviceAlgorithm kLbvh;
 
 /// Bytes that a round of clustering has to move: every cluster's reference and record are read, `array_bytes` more pass
 /// through arrays of its own; a merge writes a record and a sibling pair.

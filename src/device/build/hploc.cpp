@@ -47,11 +47,11 @@ struct LaneViews {
     LaneViews(const BuildSettings& settings, std::uint32_t leaf_count, ArrayLayout layout)
         : leaves(settings, leaf_count, layout) {
         const std::uint64_t pieces = std::min<std::uint64_t>(leaf_count / kLeastPieceLength + 1, most_pieces(settings));
-        const std::uint32_t most_clusters = (kMostLists + 1) * settings.hploc.cluster_limit;
+        const std::uint32_t most_clusters = (kMostLists + 1) * settings.configs.hploc.cluster_limit;
         const std::uint32_t longest_piece = pieces_of(settings, leaf_count).length * 3 / 2;
         stack_stride = std::min(most_clusters, longest_piece) + kPlaces;
         stacks = layout.take_view(kClusterBytes * (stack_stride * pieces + most_clusters + kPlaces));
-        const std::uint64_t lists = kMostLists + 2 * settings.hploc.cluster_limit;
+        const std::uint64_t lists = kMostLists + 2 * settings.configs.hploc.cluster_limit;
         pending = layout.take_view(sizeof(std::uint32_t) * lists * pieces);
         bytes = layout.bytes();
     }
@@ -85,9 +85,18 @@ std::uint64_t extra_bytes(const BuildSettings& settings, std::uint32_t primitive
                            : GroupViews(settings, primitives, ArrayLayout()).bytes;
 }
 
+std::string defines_of(const HplocConfig& config) {
+    return " -D CLUSTER_LIMIT=" + std::to_string(config.cluster_limit) +
+           " -D SMALL_RANGE=" + std::to_string(config.small_range) +
+           " -D SMALL_LIMIT=" + std::to_string(config.small_limit) +
+           " -D MERGE_PAIRS=" + (config.merge_pairs ? "1" : "0") +
+           " -D SEARCH_RADIUS=" + std::to_string(config.search_radius) +
+           " -D LEAF_SIZE=" + std::to_string(config.leaf_size);
+}
+
 ProgramSpec program(const BuildSettings& settings) {
     return {"hploc.cl", settings.lane() ? 1 : kPlaces,
-            settings.hploc_defines() + (settings.packed_keys() ? "" : " -D EQUAL_CODES=1")};
+            defines_of(settings.configs.hploc) + (settings.packed_keys() ? "" : " -D EQUAL_CODES=1")};
 }
 
 Kernel& kernel_of(const ClusterJob& job, std::string_view name) {
@@ -145,6 +154,7 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kHploc{cluster, extra_bytes, BoxOrder::input, program};
+extern const DeviceAlgorithm kHploc{
+    .cluster = cluster, .extra_bytes = extra_bytes, .box_order = BoxOrder::input, .program = program};
 
 }  // namespace clbvh::device

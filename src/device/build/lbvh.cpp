@@ -66,6 +66,7 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kLbvh{cluster, extra_bytes, BoxOrder::input, program};
+extern const DeviceAlgorithm kLbvh{
+    .cluster = cluster, .extra_bytes = extra_bytes, .box_order = BoxOrder::input, .program = program};
 
 }  // namespace clbvh::device

@@ -12,7 +12,7 @@ void launch_codes(Launcher& launcher, const BuildSettings& settings, const Build
     const auto kernel = [&](std::string_view kernel_name) -> Kernel& {
         return launcher.session().kernel(morton_program(settings), kernel_name);
     };
-    if (settings.morton_code == MortonCode::xyz) {
+    if (settings.configs.device.morton_code == MortonCode::xyz) {
         launcher.launch(kernel(name + "_xyz"), pieces.count, b.boxes, b.bounds, primitive_count, pieces.length,
                         arguments...);
         return;

@@ -48,16 +48,17 @@ void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const B
 
 }  // namespace
 
-BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm, const DeviceConfigs& configs) {
+BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm,
+                               const DeviceBuilderConfigs& configs) {
     if (session.joins_programs() && session.may_prefer_lane_shape()) {
         // The kernel that tests the lane shape is built with those that are wanted if it passes.
-        DeviceConfigs lane = configs;
+        DeviceBuilderConfigs lane = configs;
         for (Shape* const shape : {&lane.device.shape, &lane.device.sort_shape}) {
             if (*shape == Shape::automatic) *shape = Shape::lane;
         }
-        prepare_programs(session, algorithm, resolve_settings(lane, session));
+        prepare_programs(session, algorithm, resolve_settings(algorithm, lane, session));
     }
-    const BuildSettings settings = resolve_settings(configs, session);
+    const BuildSettings settings = resolve_settings(algorithm, configs, session);
     prepare_programs(session, algorithm, settings);
     return settings;
 }

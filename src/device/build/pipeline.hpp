@@ -8,7 +8,7 @@ namespace clbvh::device {
 /// Resolves the options, and builds the programs that run_pipeline() will use with them. Throws what resolve_settings
 /// and Session::prepare throw.
 [[nodiscard]] BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm,
-                                             const DeviceConfigs& configs);
+                                             const DeviceBuilderConfigs& configs);
 
 /// The memory of a build over `primitives`.
 [[nodiscard]] MemoryPlan plan_pipeline(const DeviceAlgorithm& algorithm, const BuildSettings& settings,

@@ -59,7 +59,7 @@ public:
 private:
     /// Enqueues `iterations` more, over at most `clusters` clusters.
     void enqueue(std::uint32_t iterations, std::uint32_t clusters) {
-        const std::uint32_t chunk = job_.settings.chunk_size(job_.settings.search_radius);
+        const std::uint32_t chunk = job_.settings.chunk_size(job_.settings.configs.ploc.search_radius);
         const std::uint32_t groups = cut_into_pieces(clusters, job_.settings.groups_to_fill, chunk).count;
         for (const std::uint32_t end = enqueued_ + iterations; enqueued_ < end; ++enqueued_)
             enqueue_one(groups);
@@ -104,6 +104,10 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kPloc{cluster, extra_bytes, BoxOrder::morton, program};
+extern const DeviceAlgorithm kPloc{.cluster = cluster,
+                                   .extra_bytes = extra_bytes,
+                                   .box_order = BoxOrder::morton,
+                                   .program = program,
+                                   .searches_chunks = true};
 
 }  // namespace clbvh::device

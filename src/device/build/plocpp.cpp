@@ -36,7 +36,7 @@ public:
     void enqueue(std::uint32_t iterations, std::uint32_t clusters) {
         const BuildBuffers& b = job_.buffers;
         const std::uint32_t threshold = job_.settings.single_group_threshold;
-        const std::uint32_t chunk = job_.settings.chunk_size(2 * job_.settings.search_radius);
+        const std::uint32_t chunk = job_.settings.chunk_size(2 * job_.settings.configs.ploc.search_radius);
         const std::uint32_t groups = cut_into_pieces(clusters, job_.settings.groups_to_fill, chunk).count;
         Kernel& search_merge = kernel("search_merge");
         Kernel& compact = kernel("compact");
@@ -100,6 +100,10 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kPlocpp{cluster, extra_bytes, BoxOrder::morton, program};
+extern const DeviceAlgorithm kPlocpp{.cluster = cluster,
+                                     .extra_bytes = extra_bytes,
+                                     .box_order = BoxOrder::morton,
+                                     .program = program,
+                                     .searches_chunks = true};
 
 }  // namespace clbvh::device

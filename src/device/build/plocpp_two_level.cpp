@@ -17,7 +17,7 @@ struct RangeViews {
     RangeViews(const BuildSettings& settings, ArrayLayout layout)
         : begins(layout.take_view(4 * (std::uint64_t{most_ranges(settings)} + 1))),
           total(layout.take_view(4)),
-          survivors(layout.take_view(4 * std::uint64_t{most_ranges(settings)} * settings.search_radius)),
+          survivors(layout.take_view(4 * std::uint64_t{most_ranges(settings)} * settings.configs.ploc.search_radius)),
           survivor_counts(layout.take_view(4 * std::uint64_t{most_ranges(settings)})),
           bytes(layout.bytes()) {}
 
@@ -56,6 +56,10 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-const DeviceAlgorithm kPlocppTwoLevel{cluster, extra_bytes, BoxOrder::morton, program};
+extern const DeviceAlgorithm kPlocppTwoLevel{.cluster = cluster,
+                                             .extra_bytes = extra_bytes,
+                                             .box_order = BoxOrder::morton,
+                                             .program = program,
+                                             .searches_chunks = true};
 
 }  // namespace clbvh::device

@@ -127,7 +127,8 @@ DeviceInfo device_with_largest_allocation(std::uint64_t bytes) {
 /// Runs the builder on `on` with memory of the caller's and returns the nodes.
 std::vector<Node> run_plocpp(Session& on, OwnMemory& memory, const device::DeviceMesh& mesh) {
     const ProgressCallback none;
-    (void)device::run_pipeline(on, device::kPlocpp, settings_of(options_of(Shape::lane)), none, mesh, memory, {});
+    (void)device::run_pipeline(on, algorithm_of("plocpp"), settings_of(options_of(Shape::lane)), none, mesh, memory,
+                               {});
     std::vector<Node> nodes(2 * std::size_t{mesh.active_count});
     on.queue().enqueueReadBuffer(memory.buffers().nodes, CL_TRUE, 0, nodes.size() * sizeof(Node), nodes.data());
     return nodes;

@@ -43,7 +43,7 @@ DeviceInfo cpu(std::uint64_t local_kib) {
 
 BuildSettings resolve(const BuildOptions& options, const DeviceInfo& info) {
     Session session(info);
-    return device::resolve_settings(all_configs(options), session);
+    return device::resolve_settings(algorithm_of("plocpp"), options, session);
 }
 
 /// Options of one shape where all else is automatic.
@@ -79,8 +79,8 @@ TEST_CASE("settings: the automatic shape is lane on CPUs that pass the self-test
     CHECK(resolve({}, gpu(64)).sort_shape == Shape::group);
     Session session(cpu(2048));
     const Shape on_cpu = session.prefers_lane_shape() ? Shape::lane : Shape::group;
-    CHECK(device::resolve_settings({}, session).shape == on_cpu);
-    CHECK(device::resolve_settings({}, session).sort_shape == on_cpu);
+    CHECK(device::resolve_settings(algorithm_of("plocpp"), {}, session).shape == on_cpu);
+    CHECK(device::resolve_settings(algorithm_of("plocpp"), {}, session).sort_shape == on_cpu);
     for (const Shape shape : {Shape::group, Shape::lane}) {
         CHECK(resolve(shape_only(shape), gpu(2048)).shape == shape);
         CHECK(resolve(shape_only(shape), cpu(2048)).shape == shape);
@@ -206,7 +206,7 @@ TEST_CASE("settings: H-PLOC's options are its kernels' constants") {
                      .merge_pairs = false,
                      .leaf_size = 4};
     const BuildSettings settings = resolve(options, gpu(64));
-    CHECK(settings.hploc_defines() ==
+    CHECK(algorithm_of("hploc").program(settings).options ==
           " -D CLUSTER_LIMIT=8 -D SMALL_RANGE=5 -D SMALL_LIMIT=3 -D MERGE_PAIRS=0 -D SEARCH_RADIUS=31 -D LEAF_SIZE=4");
     CHECK(settings.groups_primitives());
     CHECK_FALSE(resolve({}, gpu(64)).groups_primitives());
@@ -215,12 +215,12 @@ TEST_CASE("settings: H-PLOC's options are its kernels' constants") {
 TEST_CASE("settings: options that a builder does not read are neither checked nor followed") {
     const auto resolve_for = [](std::string_view builder, const BuildOptions& options) {
         Session session(gpu(64, false));
-        return device::resolve_settings(device_configs_for(builder, options), session);
+        return device::resolve_settings(algorithm_of(builder), device_configs_for(builder, options), session);
     };
     BuildOptions options = with_radius(Shape::group, 32);
     options.ploc.work_group_size = 64;
     CHECK_THROWS_AS(resolve_for("plocpp", options), Error);
-    CHECK(resolve_for("lbvh", options).search_radius == 16);
+    CHECK(resolve_for("lbvh", options).configs.ploc.search_radius == 16);
     CHECK(resolve_for("hploc", options).cluster_group_size == 256);
     options = shape_only(Shape::group);
     options.ploc.neighbour_encoding = NeighbourEncoding::bits64;
@@ -228,8 +228,8 @@ TEST_CASE("settings: options that a builder does not read are neither checked no
     options.hploc.cluster_limit = 8;
     CHECK_THROWS_AS(resolve_for("plocpp", options), Error);
     CHECK_FALSE(resolve_for("ploc", options).exact_distances);
-    CHECK(resolve_for("ploc", options).hploc.cluster_limit == 16);
-    CHECK(resolve_for("hploc", options).hploc.cluster_limit == 8);
+    CHECK(resolve_for("ploc", options).configs.hploc.cluster_limit == 16);
+    CHECK(resolve_for("hploc", options).configs.hploc.cluster_limit == 8);
 }
 
 TEST_CASE("settings: what they let pass, the compiler fits in local memory") {
@@ -240,7 +240,7 @@ TEST_CASE("settings: what they let pass, the compiler fits in local memory") {
                 options.ploc.neighbour_encoding = encoding;
                 options.ploc.neighbour_search = NeighbourSearch::scan;
                 Session session(shape == Shape::group ? gpu(32) : cpu(96));
-                const BuildSettings settings = device::resolve_settings(all_configs(options), session);
+                const BuildSettings settings = device::resolve_settings(algorithm_of("plocpp"), options, session);
                 INFO(to_string(shape) << ", radius " << radius << ", " << to_string(encoding) << ", groups of "
                                       << settings.cluster_group_size << ", chunk " << settings.chunk_size(2 * radius));
                 const std::uint64_t bytes = local_bytes_of_search(session, settings);

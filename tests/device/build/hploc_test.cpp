@@ -63,7 +63,7 @@ bool expect_hploc_tree(BuildOptions options, const MortonOrder& order, const std
     for (const Shape shape : kBothShapes) {
         options.device.shape = shape;
         INFO(to_string(shape) << ", " << order.bounds.size() << " primitives: " << name);
-        if (!expect_cluster_tree(run_cluster(device::kHploc, options, order), expected)) return false;
+        if (!expect_cluster_tree(run_cluster(algorithm_of("hploc"), options, order), expected)) return false;
     }
     return true;
 }
@@ -187,7 +187,7 @@ TEST_CASE("hploc: leaves of several primitives, in as many pieces as a large dev
     for (const Shape shape : kBothShapes) {
         INFO(to_string(shape));
         options.device.shape = shape;
-        expect_cluster_tree(run_cluster(device::kHploc, large_device_settings(options), order), expected);
+        expect_cluster_tree(run_cluster(algorithm_of("hploc"), large_device_settings(options), order), expected);
     }
 }
 
@@ -213,7 +213,8 @@ TEST_CASE("hploc: as many pieces as a large device takes") {
     const OracleTree expected = hploc_tree(order);
     for (const Shape shape : kBothShapes) {
         INFO(to_string(shape));
-        expect_cluster_tree(run_cluster(device::kHploc, large_device_settings(options_of(shape)), order), expected);
+        expect_cluster_tree(run_cluster(algorithm_of("hploc"), large_device_settings(options_of(shape)), order),
+                            expected);
     }
 }
 

@@ -24,7 +24,7 @@ void expect_prefix_tree(const Codes& codes, const std::string& name) {
     const OracleTree expected = lbvh_tree(order);
     for (const Shape shape : kBothShapes) {
         INFO(to_string(shape) << ", " << codes.size() << " codes: " << name);
-        expect_cluster_tree(run_cluster(device::kLbvh, options_of(shape), order), expected);
+        expect_cluster_tree(run_cluster(algorithm_of("lbvh"), options_of(shape), order), expected);
     }
 }
 
@@ -104,8 +104,9 @@ TEST_CASE("lbvh: small work groups, and as many pieces as a large device takes")
     const OracleTree expected = lbvh_tree(order);
     for (const Shape shape : kBothShapes) {
         INFO(to_string(shape));
-        expect_cluster_tree(run_cluster(device::kLbvh, large_device_settings(options_of(shape)), order), expected);
+        expect_cluster_tree(run_cluster(algorithm_of("lbvh"), large_device_settings(options_of(shape)), order),
+                            expected);
     }
-    expect_cluster_tree(run_cluster(device::kLbvh, small_group_settings(options_of(Shape::group), 32), order),
+    expect_cluster_tree(run_cluster(algorithm_of("lbvh"), small_group_settings(options_of(Shape::group), 32), order),
                         expected);
 }

@@ -116,7 +116,8 @@ std::vector<std::uint64_t> expected_keys(const Boxes& boxes, const device::Build
         if (boxes[i]) ids.push_back(i);
     }
     const std::vector<std::uint64_t> active =
-        packed_keys(morton_codes(active_boxes(boxes), settings.morton_code), ids, size, settings.code_bits);
+        packed_keys(morton_codes(active_boxes(boxes), settings.configs.device.morton_code), ids, size,
+                    settings.configs.device.code_bits);
     const device::KeyLayout layout = settings.key_layout(size);
     std::vector<std::uint64_t> keys;
     for (std::uint64_t i = 0, next = 0; i < size; ++i) {
@@ -132,10 +133,10 @@ std::ptrdiff_t same_values(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 void expect_host_codes(const Boxes& boxes, const device::BuildSettings& settings, const std::string& where) {
-    INFO(where << ", " << boxes.size() << " boxes, " << to_string(settings.morton_code) << ", "
-               << to_string(settings.shape) << ", code_bits " << settings.code_bits);
+    INFO(where << ", " << boxes.size() << " boxes, " << to_string(settings.configs.device.morton_code) << ", "
+               << to_string(settings.shape) << ", code_bits " << settings.configs.device.code_bits);
     if (!settings.packed_keys()) {
-        CHECK(same_values(expected_codes(boxes, settings.morton_code), run_morton(boxes, settings)) ==
+        CHECK(same_values(expected_codes(boxes, settings.configs.device.morton_code), run_morton(boxes, settings)) ==
               static_cast<std::ptrdiff_t>(boxes.size()));
         return;
     }

@@ -20,7 +20,7 @@ BuildOptions small_chunks(Shape shape, std::uint32_t radius) {
 
 std::uint32_t chunk_of(const BuildOptions& options) {
     const device::BuildSettings settings = settings_of(options);
-    return settings.chunk_size(settings.search_radius);
+    return settings.chunk_size(settings.configs.ploc.search_radius);
 }
 
 /// Sizes around one, two and many chunks.
@@ -47,7 +47,7 @@ TEST_CASE("ploc: the first round merges exactly the mutual pairs") {
             for (const std::uint32_t size : {100u, 5 * chunk_of(options) + 7}) {
                 INFO(to_string(shape) << ", radius " << radius << ", " << size);
                 const MortonOrder order = random_order(size);
-                const bool same = same_nodes(run_first_round(device::kPloc, options, order),
+                const bool same = same_nodes(run_first_round(algorithm_of("ploc"), options, order),
                                              first_round_nodes(order, radius, Comparison::exact));
                 CHECK(same);
             }
@@ -63,7 +63,7 @@ TEST_CASE("ploc: the tree and its rounds are the oracle's at sizes around chunks
                 INFO(to_string(shape) << ", radius " << radius << ", " << size);
                 const MortonOrder order = random_order(size);
                 const OracleTree expected = ploc_tree(order, radius, Comparison::exact);
-                const ClusterResult result = run_cluster(device::kPloc, options, order);
+                const ClusterResult result = run_cluster(algorithm_of("ploc"), options, order);
                 CHECK(result.stats.clusters_per_iteration == expected.clusters_per_iteration);
                 if (!expect_cluster_tree(result, expected)) return;
             }
@@ -76,7 +76,7 @@ TEST_CASE("ploc: distances are compared to the last bit") {
     const std::vector<Node> exact = first_round_nodes(order, 16, Comparison::exact);
     REQUIRE_FALSE(same_nodes(exact, first_round_nodes(order, 16, Comparison::packed)));
     for (const Shape shape : kBothShapes) {
-        const bool same = same_nodes(run_first_round(device::kPloc, options_of(shape), order), exact);
+        const bool same = same_nodes(run_first_round(algorithm_of("ploc"), options_of(shape), order), exact);
         CHECK(same);
     }
 }
@@ -92,7 +92,7 @@ TEST_CASE("ploc: the search ends at the radius") {
                 const MortonOrder order = order_of_boxes(boxes);
                 const auto merges = [&](std::uint32_t search_radius) {
                     const BuildOptions options = small_chunks(shape, search_radius);
-                    const Node node = run_first_round(device::kPloc, options, order)[2 * right];
+                    const Node node = run_first_round(algorithm_of("ploc"), options, order)[2 * right];
                     return node.count == 1 && node.first == left;
                 };
                 CHECK_FALSE(merges(radius));
@@ -105,7 +105,7 @@ TEST_CASE("ploc: the search ends at the radius") {
 TEST_CASE("ploc: equal boxes halve in each round") {
     for (const Shape shape : kBothShapes) {
         const MortonOrder order = order_of_boxes(std::vector<Aabb>(1024, Aabb{{0, 0, 0}, {1, 1, 1}}));
-        const ClusterResult result = run_cluster(device::kPloc, small_chunks(shape, 16), order);
+        const ClusterResult result = run_cluster(algorithm_of("ploc"), small_chunks(shape, 16), order);
         CHECK(result.stats.clusters_per_iteration ==
               std::vector<std::uint32_t>{1024, 512, 256, 128, 64, 32, 16, 8, 4, 2});
         expect_cluster_tree(result, ploc_tree(order, 16, Comparison::exact));
@@ -118,7 +118,7 @@ TEST_CASE("ploc: as many pieces as a large device takes") {
     for (const Shape shape : kBothShapes) {
         BuildOptions options = small_chunks(shape, 4);
         options.ploc.work_group_size = 128;
-        const ClusterResult result = run_cluster(device::kPloc, large_device_settings(options), order);
+        const ClusterResult result = run_cluster(algorithm_of("ploc"), large_device_settings(options), order);
         CHECK(result.stats.clusters_per_iteration == expected.clusters_per_iteration);
         expect_cluster_tree(result, expected);
     }

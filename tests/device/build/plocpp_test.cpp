@@ -21,7 +21,7 @@ BuildOptions small_chunks(Shape shape, std::uint32_t radius) {
 
 std::uint32_t chunk_of(const BuildOptions& options) {
     const device::BuildSettings settings = settings_of(options);
-    return settings.chunk_size(2 * settings.search_radius);
+    return settings.chunk_size(2 * settings.configs.ploc.search_radius);
 }
 
 Comparison comparison_of(NeighbourEncoding encoding) {
@@ -59,7 +59,7 @@ TEST_CASE("plocpp: the first round merges exactly the mutual pairs, in every sea
                 INFO(size);
                 const MortonOrder order = random_order(size);
                 const bool same =
-                    same_nodes(run_first_round(device::kPlocpp, options, order),
+                    same_nodes(run_first_round(algorithm_of("plocpp"), options, order),
                                first_round_nodes(order, radius, comparison_of(options.ploc.neighbour_encoding)));
                 CHECK(same);
             }
@@ -78,7 +78,7 @@ TEST_CASE("plocpp: pairs across the border of two chunks merge once, at every di
                 std::vector<Aabb> boxes = widening_points(2 * border + 5);
                 boxes[left + distance] = boxes[left];
                 const MortonOrder order = order_of_boxes(boxes);
-                const std::vector<Node> nodes = run_first_round(device::kPlocpp, options, order);
+                const std::vector<Node> nodes = run_first_round(algorithm_of("plocpp"), options, order);
                 CHECK(nodes[2 * (left + distance)].first == left);
                 CHECK(nodes[2 * (left + distance) + 1].first == left + distance);
                 const bool same = same_nodes(nodes, first_round_nodes(order, radius, Comparison::packed));
@@ -96,7 +96,7 @@ TEST_CASE("plocpp: the tree and its rounds are the oracle's at sizes around chun
             INFO(size);
             const MortonOrder order = random_order(size);
             OracleTree expected = ploc_tree(order, 16, comparison_of(options.ploc.neighbour_encoding));
-            const ClusterResult result = run_cluster(device::kPlocpp, options, order);
+            const ClusterResult result = run_cluster(algorithm_of("plocpp"), options, order);
             std::erase(expected.clusters_per_iteration, 2u);  // the last work group's round
             CHECK(result.stats.clusters_per_iteration == expected.clusters_per_iteration);
             if (!expect_cluster_tree(result, expected)) return;
@@ -112,7 +112,7 @@ TEST_CASE("plocpp: one work group takes over at the threshold, not before") {
             INFO(to_string(shape) << ", " << size);
             const MortonOrder order = random_order(size);
             OracleTree expected = ploc_tree(order, 16, Comparison::packed);
-            const ClusterResult result = run_cluster(device::kPlocpp, options, order);
+            const ClusterResult result = run_cluster(algorithm_of("plocpp"), options, order);
             std::erase_if(expected.clusters_per_iteration, [](std::uint32_t clusters) { return clusters <= 1000; });
             CHECK(result.stats.clusters_per_iteration == expected.clusters_per_iteration);
             expect_cluster_tree(result, expected);
@@ -128,7 +128,7 @@ TEST_CASE("plocpp: the tree is the same wherever the last work group takes over"
             INFO(to_string(shape) << ", threshold " << threshold);
             BuildOptions options = options_of(shape);
             options.ploc.single_group_threshold = threshold;
-            expect_cluster_tree(run_cluster(device::kPlocpp, options, order), expected);
+            expect_cluster_tree(run_cluster(algorithm_of("plocpp"), options, order), expected);
         }
     }
 }
@@ -139,6 +139,6 @@ TEST_CASE("plocpp: as many pieces as a large device takes") {
     for (const Shape shape : kBothShapes) {
         BuildOptions options = small_chunks(shape, 4);
         options.ploc.work_group_size = 128;
-        expect_cluster_tree(run_cluster(device::kPlocpp, large_device_settings(options), order), expected);
+        expect_cluster_tree(run_cluster(algorithm_of("plocpp"), large_device_settings(options), order), expected);
     }
 }

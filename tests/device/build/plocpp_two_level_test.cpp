@@ -141,7 +141,7 @@ TEST_CASE("plocpp-two-level: the tree is the oracle's for every number of ranges
             for (const std::uint32_t range_count : {1u, 2u, 7u, 64u, 512u}) {
                 INFO(to_string(shape) << ", " << size << ", " << range_count << " ranges");
                 const ClusterResult result =
-                    run_cluster(device::kPlocppTwoLevel, options_with_ranges(shape, range_count), order);
+                    run_cluster(algorithm_of("plocpp-two-level"), options_with_ranges(shape, range_count), order);
                 const OracleTree expected = two_level_tree(order, kRadius, Comparison::packed, range_count);
                 CHECK(result.stats.iterations == 0);
                 if (!expect_cluster_tree(result, expected)) return;
@@ -161,7 +161,8 @@ TEST_CASE("plocpp-two-level: equal boxes on both sides of a range's end do not p
     REQUIRE(together.bvh.nodes[200].first == 99);
     REQUIRE(apart.bvh.nodes[200].first != 99);
     for (const Shape shape : kBothShapes) {
-        expect_cluster_tree(run_cluster(device::kPlocppTwoLevel, options_with_ranges(shape, 1), order), together);
-        expect_cluster_tree(run_cluster(device::kPlocppTwoLevel, options_with_ranges(shape, 2), order), apart);
+        expect_cluster_tree(run_cluster(algorithm_of("plocpp-two-level"), options_with_ranges(shape, 1), order),
+                            together);
+        expect_cluster_tree(run_cluster(algorithm_of("plocpp-two-level"), options_with_ranges(shape, 2), order), apart);
     }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "catalog/builder_rows.hpp"
 #include "support/builders.hpp"
 
 namespace clbvh::test {
@@ -20,12 +21,12 @@ cl::Buffer upload(const device::Session& session, const void* data, std::size_t 
 
 }  // namespace
 
-device::DeviceConfigs all_configs(const BuildOptions& options) {
-    return {.device = options.device, .ploc = options.ploc, .hploc = options.hploc};
+const device::DeviceAlgorithm& algorithm_of(std::string_view id) {
+    return *find_builder_row(id).device_algorithm;
 }
 
 device::BuildSettings settings_of(const BuildOptions& options) {
-    return device::resolve_settings(all_configs(options), shared_context().session());
+    return device::resolve_settings(algorithm_of("plocpp"), options, shared_context().session());
 }
 
 device::BuildSettings large_device_settings(const BuildOptions& options) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "clbvh/core/mesh.hpp"
@@ -12,10 +13,10 @@ namespace clbvh::test {
 
 inline constexpr std::array kBothShapes{Shape::group, Shape::lane};
 
-/// What `options` say of all device builders.
-[[nodiscard]] device::DeviceConfigs all_configs(const BuildOptions& options);
+/// What is behind the device builder of this id.
+[[nodiscard]] const device::DeviceAlgorithm& algorithm_of(std::string_view id);
 
-/// `options` made definite for the shared device.
+/// `options` made definite for the shared device, for builders that search chunks.
 [[nodiscard]] device::BuildSettings settings_of(const BuildOptions& options);
 
 /// The same, but with as much work to fill as the largest device has.

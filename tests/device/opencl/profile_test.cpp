@@ -53,7 +53,7 @@ private:
 
 BuildSettings resolve(const BuildOptions& options, DeviceInfo info = shared_context().device()) {
     Session session(info);
-    return device::resolve_settings(all_configs(options), session);
+    return device::resolve_settings(algorithm_of("plocpp"), options, session);
 }
 
 BuildOptions in_shape(Shape shape) {
@@ -197,7 +197,7 @@ TEST_CASE("profile: it stands in for automatic options, and given ones win") {
     CHECK(resolve(given).cluster_group_size == 256);
 
     Session without(shared_context().device(), {ProgramCaching::automatic, false});
-    CHECK(device::resolve_settings(all_configs(in_shape(Shape::lane)), without).lane_chunk_size ==
+    CHECK(device::resolve_settings(algorithm_of("plocpp"), in_shape(Shape::lane), without).lane_chunk_size ==
           lane_before.lane_chunk_size);
 }
 
