@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
-#include "clbvh/core/mesh.hpp"
+#include "clbvh/core/primitives.hpp"
 #include "clbvh/device/context.hpp"
 #include "clbvh/device/memory.hpp"
 #include "clbvh/export.h"
@@ -45,10 +45,11 @@ public:
     BatchBuilder& operator=(BatchBuilder&&) noexcept;
     ~BatchBuilder();
 
-    /// One tree for each mesh. Throws Error(invalid_input) that names the first mesh and triangle that check_mesh
-    /// refuses, and Error(unsupported) where all together need more memory than the device allocates at once. Keeps its
-    /// memory for the next call.
-    [[nodiscard]] std::vector<Bvh> build(std::span<const Mesh> meshes, BuildStats* stats = nullptr);
+    /// One tree for each mesh, which may lie in memory in any way that a view can say; a Mesh becomes a view for free.
+    /// Each array is copied once, to where the device reads it. Throws Error(invalid_input) that names the first mesh
+    /// and triangle that check_mesh refuses, and Error(unsupported) where all together need more memory than the device
+    /// allocates at once, or have 2^32 vertices. Keeps its memory for the next call.
+    [[nodiscard]] std::vector<Bvh> build(std::span<const MeshView> meshes, BuildStats* stats = nullptr);
 
     /// Memory that enqueue() needs for so many primitives and trees; throws as DeviceBuilder::sizes.
     [[nodiscard]] DeviceBuildSizes sizes(std::uint64_t primitive_count, std::uint64_t tree_count) const;

@@ -11,6 +11,7 @@
 #include "catalog/device_configs.hpp"
 #include "clbvh/core/error.hpp"
 #include "core/memory_errors.hpp"
+#include "core/primitive_access.hpp"
 #include "device/api/caller_input.hpp"
 #include "device/api/caller_queue.hpp"
 #include "device/api/layout_book.hpp"
@@ -58,29 +59,29 @@ struct Placement {
 };
 
 /// Checks the meshes and lays them out one behind the other.
-Placement place_meshes(std::span<const Mesh> meshes) {
+Placement place_meshes(std::span<const MeshView> meshes) {
+    constexpr std::uint64_t most_vertices = 0xffffffffu;
     Placement placement;
     for (std::size_t i = 0; i < meshes.size(); ++i) {
+        const MeshView& mesh = meshes[i];
+        const auto refuse = [i](ErrorCode code, const std::string& why) {
+            throw Error(code, "mesh " + std::to_string(i) + ": " + why);
+        };
         try {
-            static_cast<void>(check_mesh(meshes[i]));
+            static_cast<void>(check_mesh(mesh));
         } catch (const Error& error) {
-            throw Error(error.code(), "mesh " + std::to_string(i) + ": " + error.what());
+            refuse(error.code(), error.what());
         }
-        if (placement.vertices + meshes[i].vertices.size() > 0xffffffffu) {
-            throw Error(ErrorCode::unsupported, "mesh " + std::to_string(i) +
-                                                    ": the vertices up to here are more than "
-                                                    "2^32; build in parts");
-        }
+        if (mesh.vertex_count > most_vertices - placement.vertices)
+            refuse(ErrorCode::unsupported, "the vertices up to here are 2^32 or more; build in parts");
         placement.ranges.push_back({static_cast<std::uint32_t>(placement.triangles),
-                                    static_cast<std::uint32_t>(meshes[i].triangles.size()),
+                                    static_cast<std::uint32_t>(mesh.triangle_count),
                                     static_cast<std::uint32_t>(placement.vertices)});
-        placement.vertices += meshes[i].vertices.size();
-        placement.triangles += meshes[i].triangles.size();
+        placement.vertices += mesh.vertex_count;
+        placement.triangles += mesh.triangle_count;
         if (placement.triangles > kMaxPrimitives) {
-            throw Error(ErrorCode::unsupported, "mesh " + std::to_string(i) +
-                                                    ": the triangles up to here are more "
-                                                    "than " +
-                                                    std::to_string(kMaxPrimitives) + "; build in parts");
+            refuse(ErrorCode::unsupported,
+                   "the triangles up to here are more than " + std::to_string(kMaxPrimitives) + "; build in parts");
         }
     }
     return placement;
@@ -108,14 +109,26 @@ private:
     void* data_;
 };
 
-template <typename T>
-void copy(T* to, const T* from, std::size_t count) {
-    if (count > 0) std::memcpy(static_cast<void*>(to), from, count * sizeof(T));
+void copy_vertices(const MeshView& mesh, Vec3* to) {
+    if (mesh.vertex_stride == sizeof(Vec3) && mesh.vertex_count > 0) {
+        std::memcpy(static_cast<void*>(to), mesh.vertices, mesh.vertex_count * sizeof(Vec3));
+        return;
+    }
+    for (std::uint64_t i = 0; i < mesh.vertex_count; ++i)
+        to[i] = mesh.vertex(i);
 }
 
-void clear(std::vector<Bvh>& trees, std::span<const Mesh> meshes) {
+void copy_triangles(const MeshView& mesh, Triangle* to) {
+    with_triangles(mesh, [to](const auto& triangles) {
+        for (std::uint64_t i = 0; i < triangles.count; ++i)
+            for (std::size_t corner = 0; corner < 3; ++corner)
+                to[i][corner] = static_cast<std::uint32_t>(triangles.index(i, corner));
+    });
+}
+
+void clear(std::vector<Bvh>& trees, std::span<const MeshView> meshes) {
     for (std::size_t i = 0; i < meshes.size(); ++i)
-        trees[i].primitive_count = meshes[i].triangles.size();
+        trees[i].primitive_count = meshes[i].triangle_count;
 }
 
 }  // namespace
@@ -135,10 +148,10 @@ struct CLBVH_NO_EXPORT BatchBuilder::State {
     [[nodiscard]] BatchJob check(const DeviceInput& input, const DeviceBatch& batch, const DeviceSpan& rest,
                                  const DeviceResult& result) const;
     [[nodiscard]] BatchJob reserve(const Placement& placement, const BatchPlan& plan);
-    void upload(std::span<const Mesh> meshes, const Placement& placement, const BatchJob& job) const;
+    void upload(std::span<const MeshView> meshes, const Placement& placement, const BatchJob& job) const;
     void download(const Placement& placement, const BatchPlan& plan, const BatchJob& job,
                   std::vector<Bvh>& trees) const;
-    std::vector<Bvh> build(std::span<const Mesh> meshes, BuildStats* stats);
+    std::vector<Bvh> build(std::span<const MeshView> meshes, BuildStats* stats);
 
     Context context;
     BuildOptions options;
@@ -209,15 +222,16 @@ BatchJob BatchBuilder::State::reserve(const Placement& placement, const BatchPla
     return job;
 }
 
-void BatchBuilder::State::upload(std::span<const Mesh> meshes, const Placement& placement, const BatchJob& job) const {
+void BatchBuilder::State::upload(std::span<const MeshView> meshes, const Placement& placement,
+                                 const BatchJob& job) const {
     const cl::CommandQueue& queue = context.session().queue();
     const cl_map_flags discard = CL_MAP_WRITE_INVALIDATE_REGION;
     const Mapped to_vertices(queue, job.mesh.vertices, discard, placement.vertices * sizeof(Vec3));
     const Mapped to_triangles(queue, job.mesh.triangles, discard, placement.triangles * sizeof(Triangle));
     tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
         const BatchRange& range = placement.ranges[i];
-        copy(to_vertices.as<Vec3>() + range.first_vertex, meshes[i].vertices.data(), meshes[i].vertices.size());
-        copy(to_triangles.as<Triangle>() + range.first_primitive, meshes[i].triangles.data(), range.primitive_count);
+        copy_vertices(meshes[i], to_vertices.as<Vec3>() + range.first_vertex);
+        copy_triangles(meshes[i], to_triangles.as<Triangle>() + range.first_primitive);
     });
     queue.enqueueWriteBuffer(job.ranges.buffer, CL_TRUE, 0, placement.ranges.size() * sizeof(BatchRange),
                              placement.ranges.data());
@@ -239,7 +253,7 @@ void BatchBuilder::State::download(const Placement& placement, const BatchPlan& 
     });
 }
 
-std::vector<Bvh> BatchBuilder::State::build(std::span<const Mesh> meshes, BuildStats* stats) {
+std::vector<Bvh> BatchBuilder::State::build(std::span<const MeshView> meshes, BuildStats* stats) {
     const Placement placement = place_meshes(meshes);
     const BatchPlan plan = device::plan_batch(placement.triangles, meshes.size());
     check_size(placement.triangles, meshes.size());
@@ -273,7 +287,7 @@ BatchBuilder::BatchBuilder(BatchBuilder&&) noexcept = default;
 BatchBuilder& BatchBuilder::operator=(BatchBuilder&&) noexcept = default;
 BatchBuilder::~BatchBuilder() = default;
 
-std::vector<Bvh> BatchBuilder::build(std::span<const Mesh> meshes, BuildStats* stats) {
+std::vector<Bvh> BatchBuilder::build(std::span<const MeshView> meshes, BuildStats* stats) {
     return with_memory_errors("the trees of a batch", [&] { return state_->build(meshes, stats); });
 }
 

@@ -11,6 +11,7 @@
 #include "support/expect_error.hpp"
 #include "support/meshes.hpp"
 #include "support/opencl_calls.hpp"
+#include "support/views.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -56,6 +57,10 @@ void expect_own_trees(const std::vector<Bvh>& trees, const std::vector<Mesh>& me
         INFO("mesh " << i << " of " << meshes[i].triangles.size() << " triangles, " << to_string(options.device.shape));
         CHECK(same_bytes(trees[i], builder.build(meshes[i])));
     }
+}
+
+std::vector<MeshView> views_of(const std::vector<Mesh>& meshes) {
+    return {meshes.begin(), meshes.end()};
 }
 
 /// The meshes one behind the other, and where each is. Its triangles count from the first of its vertices.
@@ -132,30 +137,32 @@ TEST_CASE("batch builder: every tree is Builder's, in both shapes") {
     for (const Shape shape : {Shape::group, Shape::lane}) {
         for (const BuildOptions& options : {options_of(shape), small_chunks(shape), small_chunks(shape, 1)}) {
             BatchBuilder builder(shared_context(), options);
-            expect_own_trees(builder.build(meshes), meshes, options);
+            expect_own_trees(builder.build(views_of(meshes)), meshes, options);
         }
         BuildOptions exact = options_of(shape, 5);
         exact.ploc.neighbour_encoding = NeighbourEncoding::bits64;
         exact.ploc.neighbour_search = NeighbourSearch::scan;
         exact.device.code_bits = 33;
         BatchBuilder builder(shared_context(), exact);
-        expect_own_trees(builder.build(meshes), meshes, exact);
+        expect_own_trees(builder.build(views_of(meshes)), meshes, exact);
     }
 }
 
 TEST_CASE("batch builder: it is one launch, and later batches allocate nothing") {
     const std::vector<Mesh> meshes = many_meshes();
+    const std::vector<MeshView> views = views_of(meshes);
     for (const Shape shape : {Shape::group, Shape::lane}) {
         BatchBuilder builder(shared_context(), options_of(shape));
         BuildStats stats;
-        (void)builder.build(meshes, &stats);
+        (void)builder.build(views, &stats);
         CHECK(stats.launches == 1);
         CHECK(stats.peak_device_bytes > 0);
-        const OpenClCalls calls = opencl_calls_of([&] { (void)builder.build(meshes); });
+        const OpenClCalls calls = opencl_calls_of([&] { (void)builder.build(views); });
         CHECK(calls.launches == 1);
         CHECK(calls.buffers == 0);
+        CHECK(calls.copied == meshes.size() * sizeof(BatchRange));  // meshes are written where the device reads them
         CHECK(calls.programs == 0);
-        CHECK(opencl_calls_of([&] { (void)builder.build(std::span(meshes).first(8)); }).buffers == 0);
+        CHECK(opencl_calls_of([&] { (void)builder.build(std::span(views).first(8)); }).buffers == 0);
     }
 }
 
@@ -163,7 +170,7 @@ TEST_CASE("batch builder: nothing to build is no error") {
     BatchBuilder builder(shared_context(), options_of(Shape::lane));
     CHECK(builder.build({}).empty());
     const std::vector<Mesh> empty(3);
-    const std::vector<Bvh> trees = builder.build(empty);
+    const std::vector<Bvh> trees = builder.build(views_of(empty));
     REQUIRE(trees.size() == 3);
     CHECK(trees[2].empty());
     const cl::CommandQueue& queue = shared_context().session().queue();
@@ -179,17 +186,46 @@ TEST_CASE("batch builder: nothing to build is no error") {
     CHECK(read_all<std::uint32_t>(counts, 3) == std::vector<std::uint32_t>{7, 0, 0});
 }
 
+TEST_CASE("batch builder: meshes in memory of every layout", "[views]") {
+    const std::vector<Mesh> meshes{mesh_with_inactive(), random_triangles(40), random_triangles(300)};
+    std::vector<ViewedMesh> layouts;
+    std::vector<MeshView> views;
+    std::vector<Mesh> expected;
+    for (const Mesh& mesh : meshes)
+        for (ViewedMesh& layout : layouts_of(mesh)) {
+            views.push_back(layout.view);
+            expected.push_back(mesh);
+            layouts.push_back(std::move(layout));
+        }
+    for (const Shape shape : {Shape::group, Shape::lane}) {
+        BatchBuilder builder(shared_context(), options_of(shape));
+        expect_own_trees(builder.build(views), expected, options_of(shape));
+    }
+    BatchBuilder builder(shared_context(), options_of(Shape::lane));
+    views.back().vertex_stride = 8;
+    expect_error(ErrorCode::invalid_input,
+                 {"mesh " + std::to_string(views.size() - 1) + ": ", "the stride of the vertices is 8"},
+                 [&] { (void)builder.build(views); });
+    views.back() = views.front();
+    views.back().indices = nullptr;
+    views.back().triangle_count = 1;
+    views.back().vertex_count = 0xfffffff0u;
+    expect_error(ErrorCode::unsupported, {"mesh " + std::to_string(views.size() - 1) + ": the vertices", "2^32"},
+                 [&] { (void)builder.build(views); });
+}
+
 TEST_CASE("batch builder: errors name the mesh and the triangle, and the builder still works") {
     std::vector<Mesh> meshes{random_triangles(10), random_triangles(20), random_triangles(30)};
     BatchBuilder builder(shared_context(), options_of(Shape::lane));
     meshes[1].triangles[7][2] = 60;
     expect_error(ErrorCode::invalid_input, {"mesh 1: triangle 7: vertex index 60"},
-                 [&] { (void)builder.build(meshes); });
+                 [&] { (void)builder.build(views_of(meshes)); });
     meshes[1].triangles[7][2] = 0;
     meshes[2].vertices[meshes[2].triangles[4][0]].y = std::numeric_limits<float>::infinity();
-    expect_error(ErrorCode::invalid_input, {"mesh 2: triangle 4: coordinate y"}, [&] { (void)builder.build(meshes); });
+    expect_error(ErrorCode::invalid_input, {"mesh 2: triangle 4: coordinate y"},
+                 [&] { (void)builder.build(views_of(meshes)); });
     meshes.pop_back();
-    expect_own_trees(builder.build(meshes), meshes, options_of(Shape::lane));
+    expect_own_trees(builder.build(views_of(meshes)), meshes, options_of(Shape::lane));
 }
 
 TEST_CASE("batch builder: options that it cannot keep are refused") {
