@@ -32,16 +32,9 @@ TEST_CASE("pair: trees that are none are refused") {
 }
 
 TEST_CASE("pair: an example, byte by byte") {
-    const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {4, 0, 0}, {5, 0, 0}, {4, 1, 0}, {9, 0, 0}, {9, 2, 0}, {9, 0, 2}},
-                    {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}}};
-    Bvh tree;
-    tree.primitive_count = 3;
-    tree.primitive_ids = {2, 1, 0};
-    tree.nodes = {{{0, 0, 0}, 4, {9, 2, 2}, 0}, {},                            // root
-                  {{0, 0, 0}, 2, {1, 1, 0}, 1}, {{4, 0, 0}, 1, {5, 1, 0}, 1},  // children of node 4
-                  {{0, 0, 0}, 2, {5, 1, 0}, 0}, {{9, 0, 0}, 0, {9, 2, 2}, 1}};
-    REQUIRE(clbvh::validate(tree, Primitives{mesh}).error.empty());
-    const PairLayout layout = make({"", mesh, tree});
+    const MeshTree tree = tree_of_three();
+    REQUIRE(clbvh::validate(tree.bvh, Primitives{tree.mesh}).error.empty());
+    const PairLayout layout = make(tree);
     const std::vector<PairNode> expected = {{{0, 0, 0}, 1, {5, 1, 0}, 4, {9, 0, 0}, 0, {9, 2, 2}, 0},
                                             {{0, 0, 0}, 2, {1, 1, 0}, 3, {4, 0, 0}, 0, {5, 1, 0}, 0},
                                             {{}, 0, {}, 0, {}, 1, {}, 0},

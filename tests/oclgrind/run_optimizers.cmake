@@ -1,25 +1,4 @@
-# Runs `clbvh build` with OPTIONS and each optimizer that CLBVH lists for devices, and fails where Oclgrind reports anything.
-include(${CMAKE_CURRENT_LIST_DIR}/oclgrind.cmake)
-
-execute_process(COMMAND ${CLBVH} builders --json - OUTPUT_VARIABLE json COMMAND_ERROR_IS_FATAL ANY)
-string(JSON last LENGTH "${json}" optimizers)
-math(EXPR last "${last} - 1")
-set(failed "")
-foreach(index RANGE ${last})
-  string(JSON id GET "${json}" optimizers ${index} id)
-  string(JSON on_device GET "${json}" optimizers ${index} on_device)
-  if(NOT on_device)
-    continue()
-  endif()
-  run_in_oclgrind(report
-    ${CLBVH} build gen:soup:300 --builder lbvh --validate --optimize ${id} --optimize-on device ${OPTIONS})
-  if(report)
-    message("${id} ${OPTIONS}:\n${report}")
-    list(APPEND failed ${id})
-  else()
-    message("${id}: silent")
-  endif()
-endforeach()
-if(failed)
-  message(FATAL_ERROR "Oclgrind has reports about ${failed}")
-endif()
+# `clbvh build` with OPTIONS and each optimizer that runs on devices.
+include(${CMAKE_CURRENT_LIST_DIR}/run_each.cmake)
+run_each(optimizers on_device ON
+  ${CLBVH} build gen:soup:300 --builder lbvh --validate --optimize @id@ --optimize-on device ${OPTIONS})

@@ -64,4 +64,16 @@ std::vector<MeshTree> odd_trees() {
     return trees;
 }
 
+MeshTree tree_of_three() {
+    const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {4, 0, 0}, {5, 0, 0}, {4, 1, 0}, {9, 0, 0}, {9, 2, 0}, {9, 0, 2}},
+                    {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}}};
+    Bvh tree;
+    tree.primitive_count = 3;
+    tree.primitive_ids = {2, 1, 0};
+    tree.nodes = {{{0, 0, 0}, 4, {9, 2, 2}, 0}, {},                            // root
+                  {{0, 0, 0}, 2, {1, 1, 0}, 1}, {{4, 0, 0}, 1, {5, 1, 0}, 1},  // children of node 4
+                  {{0, 0, 0}, 2, {5, 1, 0}, 0}, {{9, 0, 0}, 0, {9, 2, 2}, 1}};
+    return {"three triangles", mesh, tree};
+}
+
 }  // namespace clbvh::test

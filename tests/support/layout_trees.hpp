@@ -25,4 +25,7 @@ struct MeshTree {
 /// A tree of one leaf over all triangles.
 [[nodiscard]] Bvh one_leaf(const Mesh& mesh);
 
+/// A tree over three triangles, whose root's children are a node with two leaves and a leaf; its ids are 2, 1, 0.
+[[nodiscard]] MeshTree tree_of_three();
+
 }  // namespace clbvh::test

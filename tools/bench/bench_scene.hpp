@@ -16,7 +16,7 @@
 
 namespace clbvh::tool {
 
-/// What a benchmark does with each scene.
+/// The settings of a benchmark, the same for each scene.
 struct BenchSettings {
     std::vector<std::string> builders;  ///< Ids, each once.
     bool peers = false;                 ///< Other libraries' builders stand beside them.

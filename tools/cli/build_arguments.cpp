@@ -21,7 +21,7 @@ bool is_a(const std::string& value) {
     return error == std::errc{} && rest == end;
 }
 
-/// What is no number is an error of usage; what is out of range, the library says.
+/// Refuses what is not a number, an error of usage; the library refuses numbers out of range.
 std::string refuse_whole(const std::string& value) {
     if (value.empty()) return "needs a number";
     return is_a<std::uint32_t>(value) ? "" : "'" + value + "' is not a whole number";

@@ -10,7 +10,7 @@
 
 namespace clbvh::tool {
 
-/// What every command that builds is told: where, and how.
+/// The arguments of every command that builds: where, and how.
 class BuildArguments {
 public:
     std::string device;  ///< A selector as pick_device() takes it.

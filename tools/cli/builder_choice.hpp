@@ -18,7 +18,7 @@ struct BuilderChoice {
     std::string reason;                        ///< Why they cannot.
 };
 
-/// What commands suggest where no device can be had: those that take one builder, and those that take several.
+/// Advice of commands where no device can be had: those that take one builder, and those that take several.
 inline constexpr const char* kOneBuilderWayOut =
     "--builder binned-sah (a host builder; see clbvh builders) needs no device";
 inline constexpr const char* kBuildersWayOut = "--builders host needs no device (see clbvh builders)";

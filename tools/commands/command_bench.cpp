@@ -161,7 +161,7 @@ private:
     std::vector<FirstRayResult> results_;
 };
 
-/// What can be seen before any work.
+/// Refuses wrong arguments before any work.
 void check_arguments(const BenchArguments& arguments) {
     const auto refuse = [](const char* what) { throw Error(ErrorCode::invalid_input, what); };
     const bool sweeps = !arguments.sweep.empty();

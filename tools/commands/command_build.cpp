@@ -39,7 +39,7 @@ struct BuildCommandArguments {
     JsonOutput json;
 };
 
-/// What needs no mesh is checked first: loading one may take long.
+/// Checks that need no mesh come first: loading one may take long.
 void check_arguments(const BuildCommandArguments& arguments) {
     arguments.build.check();
     static_cast<void>(require_builder(arguments.builder));

@@ -46,7 +46,7 @@ struct RenderArguments {
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
 
-/// What can be seen before any work.
+/// Refuses wrong arguments before any work.
 void check_arguments(const RenderArguments& arguments) {
     arguments.build.check();
     arguments.view.check();

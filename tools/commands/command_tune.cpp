@@ -46,7 +46,7 @@ fs::path output_path(const TuneArguments& arguments, const DeviceInfo& device) {
     return path;
 }
 
-/// What the profile's file says.
+/// The profile, as its file has it.
 ordered_json profile_json(const Profile& profile) {
     ordered_json json{
         {"platform", profile.platform}, {"device", profile.device}, {"driver_version", profile.driver_version}};

@@ -67,7 +67,7 @@ int parse_and_run(int argc, char** argv) {
     return usage_error("a command is missing");
 }
 
-/// What was printed may still be in a buffer, and a full disk says so only now.
+/// Output may still be in a buffer, so that a full disk is seen only now.
 int finish_standard_output(int code) {
     const bool flushed = std::fflush(stdout) == 0;
     const int reason = errno;

@@ -21,7 +21,7 @@ namespace clbvh::tool {
 inline constexpr const char* kBuildersHelp =
     "Ids or groups (all, host, device, presets) with commas between them; see clbvh builders";
 
-/// What commands that run builders over scenes are told.
+/// The arguments of commands that run builders over scenes.
 struct SceneCommandArguments {
     std::vector<std::string> scenes;
     SceneArguments loading;

@@ -8,8 +8,9 @@
 
 namespace clbvh::tool {
 
-/// What an application of Embree waits for: rtcCommitScene over one mesh of triangles, scene and geometry at low build
-/// quality (a Morton builder), under the id embree-commit-low. The mesh passes check_mesh and outlives the contestant.
+/// The build that an application of Embree waits for: rtcCommitScene over one mesh of triangles, scene and geometry at
+/// low build quality (a Morton builder), under the id embree-commit-low. The mesh passes check_mesh and outlives the
+/// contestant.
 ///
 /// Timed is the commit of the scene alone. The scene is a dynamic one and stays from run to run, as other contestants
 /// keep their memory; before each run its geometry is marked as changed, so that all of it is built anew. That marking,

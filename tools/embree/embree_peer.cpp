@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <clbvh/core/error.hpp>
+#include <clbvh/layout/layout_array.hpp>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -17,7 +18,6 @@
 #include "embree/embree_device.hpp"
 #include "embree/embree_tree.hpp"
 #include "embree/split_triangle.hpp"
-#include "measure/huge_memory.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -58,6 +58,13 @@ void split_primitive(const RTCBuildPrimitive* primitive, unsigned axis, float po
     std::memcpy(right, &split.right, sizeof(split.right));
 }
 
+/// On huge pages, as the library's builders have theirs.
+LayoutArray<RTCBuildPrimitive> room_for_primitives(std::size_t count) {
+    LayoutArray<RTCBuildPrimitive> primitives;
+    primitives.resize_for_overwrite(count);
+    return primitives;
+}
+
 class EmbreePeer final : public TreeContestant {
 public:
     EmbreePeer(const Variant& variant, const BuildOptions& options, const Mesh& mesh)
@@ -68,7 +75,7 @@ public:
           active_(inactive_count_ == 0 ? std::vector<std::uint32_t>{} : list_active(mesh)),
           count_(mesh.triangles.size() - inactive_count_),
           arena_(static_cast<int>(host_threads(options))),
-          primitives_(allocate_huge_memory(capacity() * sizeof(RTCBuildPrimitive), "Embree's primitives")),
+          primitives_(room_for_primitives(capacity())),
           device_(variant.id),
           bvh_(rtcNewBVH(device_.get())) {
         device_.require(bvh_ != nullptr);
@@ -116,21 +123,17 @@ private:
         return static_cast<std::size_t>(factor * static_cast<double>(count_));
     }
 
-    [[nodiscard]] RTCBuildPrimitive* primitives() const {
-        return reinterpret_cast<RTCBuildPrimitive*>(primitives_.get());
-    }
-
-    void fill_primitives() const {
+    void fill_primitives() {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count_, 8192), [&](const auto& range) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 const std::uint32_t id = inactive_count_ == 0 ? static_cast<std::uint32_t>(i) : active_[i];
                 const Aabb b = triangle_bounds(mesh_, id);
-                primitives()[i] = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, id};
+                primitives_[i] = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, id};
             }
         });
     }
 
-    [[nodiscard]] EmbreeChild build_tree() const {
+    [[nodiscard]] EmbreeChild build_tree() {
         RTCBuildArguments arguments = rtcDefaultBuildArguments();
         arguments.buildQuality = variant_.quality;
         arguments.buildFlags = RTC_BUILD_FLAG_DYNAMIC;  // keeps its memory for the next build
@@ -142,7 +145,7 @@ private:
         arguments.traversalCost = options_.inner_cost;
         arguments.intersectionCost = options_.primitive_cost;
         arguments.bvh = bvh_.get();
-        arguments.primitives = primitives();
+        arguments.primitives = primitives_.data();
         arguments.primitiveCount = count_;
         arguments.primitiveArrayCapacity = capacity();
         arguments.buildProgress = [](void*, double) { return !interrupted(); };
@@ -169,7 +172,7 @@ private:
     std::vector<std::uint32_t> active_;  // empty where all are
     std::size_t count_;
     tbb::task_arena arena_;
-    HugeMemory primitives_;
+    LayoutArray<RTCBuildPrimitive> primitives_;
     EmbreeDevice device_;
     EmbreeHandle<RTCBVH, rtcReleaseBVH> bvh_;
     EmbreeChild root_ = nullptr;

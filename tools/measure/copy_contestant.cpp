@@ -8,12 +8,12 @@
 
 #include <algorithm>
 #include <clbvh/core/error.hpp>
+#include <clbvh/layout/layout_array.hpp>
 #include <cstddef>
 #include <string>
 #include <utility>
 
 #include "cli/stopwatch.hpp"
-#include "measure/huge_memory.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -107,10 +107,10 @@ struct CopyContestant::Device {
     }
 
     /// On a CPU in huge pages, as the builders' buffers are; `memory` then owns it.
-    cl::Buffer make_buffer(HugeMemory& memory) const {
+    cl::Buffer make_buffer(LayoutArray<std::byte>& memory) const {
         if (!on_cpu) return {opencl_context, CL_MEM_READ_WRITE, bytes};
-        memory = allocate_huge_memory(bytes, "the copy that memory is measured by");
-        return {opencl_context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, memory.get()};
+        memory.resize_for_overwrite(bytes);
+        return {opencl_context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, memory.data()};
     }
 
     /// Milliseconds of one copy: the device's own, or the host's where the queue does not profile.
@@ -131,8 +131,8 @@ struct CopyContestant::Device {
     cl::Context opencl_context;
     cl::CommandQueue queue;
     bool on_cpu;
-    HugeMemory memory_of_from;
-    HugeMemory memory_of_to;
+    LayoutArray<std::byte> memory_of_from;
+    LayoutArray<std::byte> memory_of_to;
     cl::Buffer from;
     cl::Buffer to;
     cl::Kernel kernel;

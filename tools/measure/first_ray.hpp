@@ -15,7 +15,7 @@
 
 namespace clbvh::tool {
 
-/// What it takes from a caller's arrays to the answer to a ray, and what the next rays take.
+/// The time from a caller's arrays to the answer to a ray, and that of the next rays.
 struct FirstRayResult {
     std::string scene;
     std::uint64_t triangles = 0;

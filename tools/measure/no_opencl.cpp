@@ -1,5 +1,5 @@
-// What stands in for what measures devices, where the library has no OpenCL: no context is ever opened there, so that
-// nobody comes here.
+// Stands in for the code that measures devices where the library has no OpenCL: no context is ever opened there, so
+// that nobody comes here.
 #include <clbvh/core/error.hpp>
 
 #include "measure/copy_contestant.hpp"

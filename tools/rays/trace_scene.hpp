@@ -22,7 +22,7 @@
 
 namespace clbvh::tool {
 
-/// What `clbvh trace` does with each scene.
+/// The settings of `clbvh trace`, the same for each scene.
 struct TraceSettings {
     std::vector<std::string> builders;  ///< Ids, each once, the baseline among them.
     std::uint32_t runs = 5;
@@ -39,7 +39,7 @@ struct TraceCandidate {
 /// Shown each tree before it goes; its engine is not there yet.
 using VisitTree = std::function<void(const TraceResult& base, const Bvh& bvh)>;
 
-/// What is the same for all rays through `bvh`, but not yet where they are traced.
+/// The fields that are the same for all rays through `bvh`, but for where they are traced.
 [[nodiscard]] TraceResult describe_candidate(const std::string& scene, const Mesh& mesh, std::string_view builder,
                                              BuilderKind kind, const Bvh& bvh);
 
@@ -53,7 +53,7 @@ using VisitTree = std::function<void(const TraceResult& base, const Bvh& bvh)>;
                                                            const Mesh& mesh, ProgressBar& bar,
                                                            const VisitTree& visit = {});
 
-/// What these rays cost with the tree of `base`.
+/// `base`, of one tree, with the cost of these rays.
 [[nodiscard]] TraceResult result_of(const TraceResult& base, const RayArguments& arguments, const RaySet& set,
                                     const Camera& camera, const RayCost& cost);
 

@@ -74,12 +74,12 @@ double time_over_sort(const BuildResult& result) {
                                  : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Whatever a column says of a tree, where there is one to read.
+/// A column about the tree: a dash where there is none to read.
 std::function<std::string(const BuildResult&)> of_tree(std::string (*cell)(const BuildResult&)) {
     return [cell](const BuildResult& result) { return result.has_tree ? cell(result) : std::string("-"); };
 }
 
-/// Whatever a column says of rays, where some were traced.
+/// A column about rays: a dash where none were traced.
 std::function<std::string(const BuildResult&)> of_rays(std::string (*cell)(const RayCost&)) {
     return [cell](const BuildResult& result) { return result.rays ? cell(*result.rays) : std::string("-"); };
 }
@@ -113,8 +113,8 @@ std::vector<Column<BuildResult>> scene_columns(const Comparison& comparison) {
     return columns;
 }
 
-/// What the builders' leaves have in common: SAH compares trees only where they are made by one rule. Other libraries'
-/// builders, which have no options of ours, are given the same.
+/// The rule for leaves that all builders share: SAH compares trees only where they are made by one rule. Other
+/// libraries' builders, which have no options of ours, are given the same.
 std::string leaf_rule(std::span<const BuildResult> results) {
     std::uint32_t common = 0;
     for (const BuildResult& result : results) {

@@ -19,7 +19,7 @@ double shortest(float value) {
     return std::stod(fmt::format("{}", value));
 }
 
-/// What the stage's kernels moved, and how fast: absolutely, and relative to a copy where one was measured.
+/// The bytes that the stage's kernels moved, and their speed: absolute, and relative to a copy where one was measured.
 void set_traffic(ordered_json& entry, const StageStats& stage, const std::optional<Sample>& copy_gb_per_s) {
     entry["launches"] = stage.launches;
     entry["bytes_moved"] = stage.bytes_moved;

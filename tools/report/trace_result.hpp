@@ -12,7 +12,7 @@
 
 namespace clbvh::tool {
 
-/// What the trees of one builder are worth to one set of rays.
+/// The cost of one set of rays in the tree of one builder, and the qualities of that tree.
 struct TraceResult {
     std::string scene;
     std::uint64_t triangles = 0;

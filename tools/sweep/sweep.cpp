@@ -37,7 +37,7 @@ std::string readers_text(const Sweep& sweep) {
     return fmt::format("{}", fmt::join(ids, ", "));
 }
 
-/// What follows "gen:", field by field: the name, the count, the seed.
+/// The fields behind "gen:": the name, the count, the seed.
 std::vector<std::string> fields_of(const std::string& scene) {
     std::vector<std::string> fields;
     for (std::size_t begin = kGenerated.size(); begin <= scene.size();) {

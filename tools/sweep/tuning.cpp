@@ -17,7 +17,7 @@
 namespace clbvh::tool {
 namespace {
 
-/// What is chosen has to save more than this part of the time, in the median and in the best run: less is noise.
+/// The least part of the time that another value must save, in the median and in the best run: less is noise.
 constexpr double kLeastGain = 0.03;
 
 /// One value of a knob on one mesh.

@@ -24,7 +24,7 @@ struct Knob {
     void (*keep)(Profile& profile, std::uint32_t value);
 };
 
-/// What one value of a knob costs.
+/// The time that builds take with one value of a knob.
 struct Trial {
     std::uint32_t value;
     std::vector<Sample> build_ms;  ///< One a scene.
