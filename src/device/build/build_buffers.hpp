@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "device/build/build_settings.hpp"
@@ -111,10 +113,12 @@ public:
         return {tree_scratch_.reserve(session, bytes)};
     }
 
+    static constexpr std::size_t kBlocks = 7;
+
 private:
-    BuildMemory memory_;
-    MemoryPlan capacity_;
-    MemoryPlan plan_;  // of buffers_
+    std::array<KeptBuffer, kBlocks> blocks_;
+    BuildMemory memory_;  // these blocks
+    MemoryPlan plan_;     // of buffers_
     BuildBuffers buffers_;
     KeptBuffer tree_scratch_;
 };

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "clbvh/core/error.hpp"
 #include "device/build/build_buffers.hpp"
@@ -18,27 +19,7 @@ constexpr Field kFields[] = {
     {&BuildMemory::extra, &MemoryPlan::extra},
 };
 
-bool is_within(const MemoryPlan& plan, const MemoryPlan& capacity) {
-    return std::ranges::all_of(kFields, [&](const Field& f) { return plan.*f.bytes <= capacity.*f.bytes; });
-}
-
-MemoryPlan larger_of(const MemoryPlan& a, const MemoryPlan& b) {
-    MemoryPlan plan = a;
-    for (const Field& field : kFields) {
-        plan.*field.bytes = std::max(a.*field.bytes, b.*field.bytes);
-    }
-    return plan;
-}
-
-BuildMemory allocate(const Session& session, const MemoryPlan& plan) {
-    BuildMemory memory;
-    for (const Field& field : kFields) {
-        if (plan.*field.bytes > 0) {
-            memory.*field.block = {allocate_buffer(session, plan.*field.bytes), 0};
-        }
-    }
-    return memory;
-}
+static_assert(std::size(kFields) == OwnMemory::kBlocks);
 
 }  // namespace
 
@@ -64,16 +45,16 @@ void OwnMemory::reserve(Session& session, const MemoryPlan& plan) {
     }
     check_allocations(session, plan);
     with_opencl_errors("memory for " + std::to_string(plan.primitives) + " primitives", [&] {
-        if (!is_within(plan, capacity_)) {
-            // Buffers that are too small go first, so that old and new are never alive together; after a failure
-            // nothing is held.
-            const MemoryPlan grown = larger_of(capacity_, plan);
-            *this = OwnMemory{};
-            memory_ = allocate(session, grown);
-            capacity_ = grown;
+        OwnMemory grown = std::exchange(*this, {});  // after a failure nothing is held
+        grown.buffers_ = {};                         // which keep what they are views of
+        for (std::size_t i = 0; i < std::size(kFields); ++i) {
+            Block& block = grown.memory_.*kFields[i].block;
+            block = {};
+            block = {grown.blocks_[i].reserve(session, plan.*kFields[i].bytes)};
         }
-        buffers_ = cut_views(memory_, plan);
-        plan_ = plan;
+        grown.buffers_ = cut_views(grown.memory_, plan);
+        grown.plan_ = plan;
+        *this = std::move(grown);
     });
 }
 

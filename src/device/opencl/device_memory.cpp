@@ -29,7 +29,7 @@ cl::Buffer allocate_buffer(const Session& session, std::uint64_t bytes) {
 }
 
 const cl::Buffer& KeptBuffer::reserve(const Session& session, std::uint64_t bytes) {
-    if (buffer_() == nullptr || bytes > bytes_) {
+    if (bytes > bytes_) {
         release();  // old and new are never alive together
         buffer_ = allocate_buffer(session, bytes);
         bytes_ = bytes;

@@ -13,7 +13,7 @@ namespace clbvh::device {
 /// A buffer that stays for the next use, where it is large enough.
 class KeptBuffer {
 public:
-    /// At least `bytes`, at least 1.
+    /// At least `bytes`; a null buffer where that is 0 and none was made before.
     const cl::Buffer& reserve(const Session& session, std::uint64_t bytes);
     void release() { *this = {}; }
 
