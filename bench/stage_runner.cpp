@@ -26,8 +26,8 @@ StageRunner::StageRunner(const BuildOptions& options, std::uint32_t triangles)
     : context_(shared_context()),
       settings_(device::resolve_settings(*find_builder_row("plocpp").device_algorithm, options, context_.session())) {
     const Mesh mesh = generate_scene(kScene, triangles);
-    mesh_.vertices = upload(session(), mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
-    mesh_.triangles = upload(session(), mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+    mesh_.vertices = {upload(session(), mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3))};
+    mesh_.indices = {upload(session(), mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle))};
     mesh_.primitive_count = triangles;
     mesh_.active_count = triangles;
     memory_.reserve(session(), device::plan_memory(settings_, device::BoxOrder::morton, triangles, 0));

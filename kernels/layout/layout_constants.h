@@ -1,9 +1,13 @@
-// How a scene lies in memory for rays, and how the kernels that make it keep their books: what kernels and the host
-// both know. Nodes and blocks are clbvh/layout/wide.hpp's, which is installed without kernels and states them again.
+// How a scene lies in memory for rays, where it is, and how the kernels that make it keep their books: what kernels and
+// the host both know. Nodes and blocks are clbvh/layout/wide.hpp's, which is installed without kernels and states them
+// again.
 #ifndef CLBVH_KERNELS_LAYOUT_CONSTANTS_H
 #define CLBVH_KERNELS_LAYOUT_CONSTANTS_H
 #ifdef __cplusplus
+#include <cstdint>
 namespace clbvh::kernels {
+using uint = std::uint32_t;
+using ulong = std::uint64_t;
 #endif
 
 enum {
@@ -31,6 +35,19 @@ enum {
     LAYOUT_DEPTH = 2,
     LAYOUT_HEADER_WORDS = 16,
 };
+
+// Where a tree and its mesh begin in their buffers, in bytes, and how they lie there.
+typedef struct {
+    ulong nodes, primitive_ids, vertices, indices, active_count;
+    uint node_count, has_active_count;               // see tree_nodes.clh
+    uint form, vertex_stride, index_stride, unused;  // see input.clh
+} ScenePlace;
+
+// Where the parts of a layout begin in its buffer, in bytes. What follows the sources is for those who make it, the
+// rows are written last, where the state was.
+typedef struct {
+    ulong header, nodes, blocks, sources, rows, state, pieces, next_chunks, records;
+} LayoutPlace;
 
 // The tree is cut as on the host (src/layout/opening.hpp).
 enum {

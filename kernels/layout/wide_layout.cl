@@ -1,5 +1,5 @@
 // A layout of eight children a node (clbvh/layout/wide.hpp), the same bytes as the host's make_layout(), from a binary
-// tree. Every array is a buffer and an offset in bytes.
+// tree. Every array is a buffer, and an offset in bytes of ScenePlace or LayoutPlace (layout_constants.h).
 //
 //   in     nodes [node_count] (tree_nodes.clh), primitive ids, a mesh (input.clh)
 //   out    header [LAYOUT_HEADER_WORDS]; nodes, blocks (layout_constants.h); sources: for each child of each node the
@@ -26,25 +26,27 @@
 
 #define AT(type, buffer, offset) ((global type*)((buffer) + (offset)))
 
-#define OPENING_ARGUMENTS                                                                                        \
-    global const uchar *tree, ulong tree_offset, global uchar *scratch, ulong state_offset, ulong pieces_offset, \
-        ulong next_chunks_offset, ulong records_offset, global uchar *layout, ulong header_offset
-#define OPENING                                                                                               \
-    {                                                                                                         \
-        AT(const uint, tree, tree_offset), AT(uint, scratch, state_offset), AT(uint, scratch, pieces_offset), \
-            AT(uint, scratch, next_chunks_offset), AT(uint, scratch, records_offset)                          \
-    }
+static inline Opening opening_at(ScenePlace scene, global const uchar* tree, LayoutPlace place, global uchar* layout) {
+    Opening opening;
+    opening.nodes = AT(const uint, tree, scene.nodes);
+    opening.state = AT(uint, layout, place.state);
+    opening.pieces = AT(uint, layout, place.pieces);
+    opening.next_chunks = AT(uint, layout, place.next_chunks);
+    opening.records = AT(uint, layout, place.records);
+    return opening;
+}
 
-#define TARGET_ARGUMENTS                                                                                            \
-    global const uchar *ids, ulong ids_offset, uint form, global const uchar *vertices, ulong vertex_offset,        \
-        uint vertex_stride, global const uchar *indices, ulong index_offset, uint index_stride, ulong nodes_offset, \
-        ulong blocks_offset, ulong sources_offset
-#define TARGET                                                                                                  \
-    {                                                                                                           \
-        input_at(vertices, vertex_offset, vertex_stride, indices, index_offset, index_stride), form,            \
-            AT(const uint, ids, ids_offset), AT(float, layout, nodes_offset), AT(float, layout, blocks_offset), \
-            AT(uint, layout, sources_offset)                                                                    \
-    }
+static inline Target target_at(ScenePlace scene, global const uchar* primitive_ids, global const uchar* vertices,
+                               global const uchar* indices, LayoutPlace place, global uchar* layout) {
+    Target target;
+    target.input = input_at(vertices, scene.vertices, scene.vertex_stride, indices, scene.indices, scene.index_stride);
+    target.form = scene.form;
+    target.primitive_ids = AT(const uint, primitive_ids, scene.primitive_ids);
+    target.nodes = AT(float, layout, place.nodes);
+    target.blocks = AT(float, layout, place.blocks);
+    target.sources = AT(uint, layout, place.sources);
+    return target;
+}
 
 #if LANE_SHAPE
 // Asks for what the rows behind row `i` will read.
@@ -60,11 +62,12 @@ static inline global uint* piece_at(Opening o, uint piece) {
     return o.pieces + PIECE_WORDS * (size_t)piece;
 }
 
-KERNEL void open_top(OPENING_ARGUMENTS, TREE_SIZE_ARGUMENTS) {
+KERNEL void open_top(global const uchar* tree, global const uchar* active_count, ScenePlace scene, global uchar* layout,
+                     LayoutPlace place) {
     local uint sums[WORK_GROUP_SIZE];
     local uint shared_chunk;
-    const Opening o = OPENING;
-    const uint size = TREE_SIZE;
+    const Opening o = opening_at(scene, tree, place, layout);
+    const uint size = nodes_in_use(scene.node_count, active_count, scene.active_count, scene.has_active_count);
     if (LOCAL_ID == 0) {
         o.state[OPENING_CHUNKS] = 0;
         o.state[OPENING_PIECES] = 0;
@@ -93,10 +96,10 @@ KERNEL void open_top(OPENING_ARGUMENTS, TREE_SIZE_ARGUMENTS) {
     }
 }
 
-KERNEL void open_pieces(OPENING_ARGUMENTS) {
+KERNEL void open_pieces(global const uchar* tree, ScenePlace scene, global uchar* layout, LayoutPlace place) {
     local uint sums[WORK_GROUP_SIZE];
     local uint shared_chunk;
-    const Opening o = OPENING;
+    const Opening o = opening_at(scene, tree, place, layout);
     const uint number = 1 + (uint)get_group_id(0);
     if (number >= o.state[OPENING_PIECES]) return;
     global uint* const piece = piece_at(o, number);
@@ -106,11 +109,11 @@ KERNEL void open_pieces(OPENING_ARGUMENTS) {
     end_queue(queue, piece);
 }
 
-KERNEL void number_pieces(OPENING_ARGUMENTS) {
+KERNEL void number_pieces(global const uchar* tree, ScenePlace scene, global uchar* layout, LayoutPlace place) {
     local uint sums[WORK_GROUP_SIZE];
     local uint depth;
-    const Opening o = OPENING;
-    global uint* const header = AT(uint, layout, header_offset);
+    const Opening o = opening_at(scene, tree, place, layout);
+    global uint* const header = AT(uint, layout, place.header);
     const uint pieces = o.state[OPENING_PIECES];
     uint nodes = o.state[OPENING_TOP], blocks = 0;
     if (LOCAL_ID == 0) depth = 0;
@@ -144,12 +147,13 @@ KERNEL void number_pieces(OPENING_ARGUMENTS) {
     }
 }
 
-KERNEL void write_pieces(OPENING_ARGUMENTS, TARGET_ARGUMENTS) {
-    const Opening o = OPENING;
-    const Target target = TARGET;
+KERNEL void write_pieces(global const uchar* tree, global const uchar* primitive_ids, global const uchar* vertices,
+                         global const uchar* indices, ScenePlace scene, global uchar* layout, LayoutPlace place) {
+    const Opening o = opening_at(scene, tree, place, layout);
+    const Target target = target_at(scene, primitive_ids, vertices, indices, place, layout);
     const uint number = (uint)get_group_id(0);
     global const float* const binary_nodes = (global const float*)o.nodes;
-    if (number >= o.state[OPENING_PIECES] || AT(uint, layout, header_offset)[LAYOUT_NODE_COUNT] == 0) return;
+    if (number >= o.state[OPENING_PIECES] || AT(uint, layout, place.header)[LAYOUT_NODE_COUNT] == 0) return;
     global const uint* const piece = piece_at(o, number);
     // A piece's root has its place in the top, where it waited behind those that are opened there.
     const uint root = piece_at(o, 0)[PIECE_NODES] + number - 1;
@@ -166,10 +170,11 @@ KERNEL void write_pieces(OPENING_ARGUMENTS, TARGET_ARGUMENTS) {
     }
 }
 
-KERNEL void write_rows(global uchar* layout, TARGET_ARGUMENTS, ulong rows_offset, uint primitive_count,
+KERNEL void write_rows(global const uchar* primitive_ids, global const uchar* vertices, global const uchar* indices,
+                       ScenePlace scene, global uchar* layout, LayoutPlace place, uint primitive_count,
                        uint reference_count, uint length) {
-    const Target t = TARGET;
-    global float4* const rows = AT(float4, layout, rows_offset);
+    const Target t = target_at(scene, primitive_ids, vertices, indices, place, layout);
+    global float4* const rows = AT(float4, layout, place.rows);
     const size_t begin = (size_t)length * get_group_id(0), end = min(begin + length, (size_t)reference_count);
     FOR_WORK_ITEMS(i, begin, end) {
         const uint primitive = t.primitive_ids[i];
@@ -192,10 +197,10 @@ static inline void refit_block(Target t, global float* block, uint lane) {
     if (primitive != NO_PRIMITIVE) write_corners(t, block, lane, primitive);
 }
 
-KERNEL void refit_layout(global const uchar* tree, ulong tree_offset, global uchar* layout, ulong header_offset,
-                         TARGET_ARGUMENTS) {
-    const Target t = TARGET;
-    global const uint* const header = AT(uint, layout, header_offset);
+KERNEL void refit_layout(global const uchar* tree, global const uchar* primitive_ids, global const uchar* vertices,
+                         global const uchar* indices, ScenePlace scene, global uchar* layout, LayoutPlace place) {
+    const Target t = target_at(scene, primitive_ids, vertices, indices, place, layout);
+    global const uint* const header = AT(uint, layout, place.header);
     const size_t groups = get_num_groups(0), group = get_group_id(0);
     const size_t children = WIDE_WIDTH * (size_t)header[LAYOUT_NODE_COUNT];
     const size_t lanes = BLOCK_TRIANGLES * (size_t)header[LAYOUT_BLOCK_COUNT];
@@ -203,9 +208,9 @@ KERNEL void refit_layout(global const uchar* tree, ulong tree_offset, global uch
     FOR_WORK_ITEMS(i, group * child_share, min((group + 1) * child_share, children)) {
 #if LANE_SHAPE
         const uint ahead = t.sources[min(i + 32, children - 1)];
-        if (ahead != NO_CHILD) PREFETCH(AT(const float, tree, tree_offset) + 8 * (size_t)ahead);
+        if (ahead != NO_CHILD) PREFETCH(AT(const float, tree, scene.nodes) + 8 * (size_t)ahead);
 #endif
-        write_box(AT(const float, tree, tree_offset), t.sources[i], t.nodes + WIDE_NODE_FLOATS * (i / WIDE_WIDTH),
+        write_box(AT(const float, tree, scene.nodes), t.sources[i], t.nodes + WIDE_NODE_FLOATS * (i / WIDE_WIDTH),
                   i % WIDE_WIDTH);
     }
     FOR_WORK_ITEMS(i, group * lane_share, min((group + 1) * lane_share, lanes)) {

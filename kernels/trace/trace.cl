@@ -1,4 +1,5 @@
-// Rays through a tree: the closest hit of each, or whether it has one. Every array is a buffer and an offset in bytes.
+// Rays through a tree: the closest hit of each, or whether it has one. Every array is a buffer, and an offset in bytes
+// of ScenePlace, LayoutPlace (layout_constants.h) or RaysPlace (trace_constants.h).
 //
 //   in     nodes [node_count]; primitive ids and a mesh (input.clh), or leaf rows (leaf_triangle.clh);
 //          a layout's header, nodes and blocks (wide_tree.clh); rays [ray_count] (ray.clh)
@@ -16,6 +17,8 @@
 //   scratch deep_stack [deep_items * deep_capacity], deep_capacity no less than the tree has sibling pairs
 //   launch deep_items work items or more
 #include "work_group.clh"
+#include "layout_constants.h"
+#include "trace_constants.h"
 #include "aabb.clh"
 #include "input.clh"
 #include "ray.clh"
@@ -46,25 +49,24 @@ typedef struct {
 
 #define AT(type, buffer, offset) ((global type*)((buffer) + (offset)))
 
-#define SCENE_ARGUMENTS                                                                                                \
-    global const uchar *nodes, ulong nodes_offset, uint node_count, global const uchar *ids, ulong ids_offset,         \
-        uint form, global const uchar *vertices, ulong vertex_offset, uint vertex_stride, global const uchar *indices, \
-        ulong index_offset, uint index_stride, global const uchar *leaf_rows, ulong leaf_rows_offset
-#define SCENE                                                                                        \
-    {                                                                                                \
-        AT(const float4, nodes, nodes_offset), node_count > 0, {                                     \
-            input_at(vertices, vertex_offset, vertex_stride, indices, index_offset, index_stride),   \
-                AT(const uint, ids, ids_offset), AT(const float4, leaf_rows, leaf_rows_offset), form \
-        }                                                                                            \
-    }
+static inline Scene scene_at(ScenePlace place, global const uchar* nodes, global const uchar* primitive_ids,
+                             global const uchar* vertices, global const uchar* indices, global const uchar* layout,
+                             LayoutPlace layout_place) {
+    Scene scene;
+    scene.nodes = AT(const float4, nodes, place.nodes);
+    scene.has_nodes = place.node_count > 0;
+    scene.triangles.input =
+        input_at(vertices, place.vertices, place.vertex_stride, indices, place.indices, place.index_stride);
+    scene.triangles.primitive_ids = AT(const uint, primitive_ids, place.primitive_ids);
+    scene.triangles.leaf_rows = AT(const float4, layout, layout_place.rows);
+    scene.triangles.form = place.form;
+    return scene;
+}
 
-#define RAY_ARGUMENTS                                                                                                \
-    global const uchar *rays_buffer, ulong rays_offset, uint ray_count, global uchar *results, ulong results_offset, \
-        global uchar *counts, ulong counts_offset, uint has_counts, global uchar *control_buffer, ulong control_offset
-#define RAYS(is_any)                                                                                        \
-    global const float4* const rays = AT(const float4, rays_buffer, rays_offset);                           \
-    const Output output = {results + results_offset, AT(uint4, counts, counts_offset), has_counts, is_any}; \
-    global uint* const control = AT(uint, control_buffer, control_offset)
+static inline Output output_at(RaysPlace place, global uchar* results, global uchar* counts, int is_any) {
+    Output output = {results + place.results, AT(uint4, counts, place.counts), place.has_counts, is_any};
+    return output;
+}
 
 static inline void store_result(Output output, size_t i, Hit hit, RayCounts counts) {
     if (output.is_any) {
@@ -126,24 +128,31 @@ static inline void trace_left(Scene scene, global const float4* rays, uint ray_c
     }
 }
 
-#define DEFINE_TRACE(name, is_any)                                                        \
-    KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS) {                                    \
-        const Scene scene = SCENE;                                                        \
-        RAYS(is_any);                                                                     \
-        if (control[GOES_WIDE]) return;                                                   \
-        const size_t begin = BLOCK_RAYS * get_group_id(0);                                \
-        const size_t end = min(begin + BLOCK_RAYS, (size_t)ray_count);                    \
-        trace_rays(scene, rays, begin + LOCAL_ID, end, WORK_GROUP_SIZE, output, control); \
+#define DEFINE_TRACE(name, is_any)                                                                                    \
+    KERNEL void name(global const uchar* nodes, global const uchar* primitive_ids, global const uchar* vertices,      \
+                     global const uchar* indices, ScenePlace scene_place, global const uchar* layout,                 \
+                     LayoutPlace layout_place, global const uchar* rays, global uchar* results, global uchar* counts, \
+                     global uchar* control, RaysPlace rays_place) {                                                   \
+        global uint* const words = AT(uint, control, rays_place.control);                                             \
+        if (words[GOES_WIDE]) return;                                                                                 \
+        const Scene scene = scene_at(scene_place, nodes, primitive_ids, vertices, indices, layout, layout_place);     \
+        const size_t begin = BLOCK_RAYS * get_group_id(0);                                                            \
+        const size_t end = min(begin + BLOCK_RAYS, (size_t)rays_place.ray_count);                                     \
+        trace_rays(scene, AT(const float4, rays, rays_place.rays), begin + LOCAL_ID, end, WORK_GROUP_SIZE,            \
+                   output_at(rays_place, results, counts, is_any), words);                                            \
     }
 
-#define DEFINE_DEEP_TRACE(name, is_any)                                                                  \
-    KERNEL void name(SCENE_ARGUMENTS, RAY_ARGUMENTS, global uchar* deep_stack, ulong deep_stack_offset,  \
-                     uint deep_items, uint deep_capacity) {                                              \
-        const Scene scene = SCENE;                                                                       \
-        RAYS(is_any);                                                                                    \
-        if (control[LEFT_RAYS] == 0) return;                                                             \
-        trace_left(scene, rays, ray_count, output, AT(uint2, deep_stack, deep_stack_offset), deep_items, \
-                   deep_capacity);                                                                       \
+#define DEFINE_DEEP_TRACE(name, is_any)                                                                               \
+    KERNEL void name(global const uchar* nodes, global const uchar* primitive_ids, global const uchar* vertices,      \
+                     global const uchar* indices, ScenePlace scene_place, global const uchar* layout,                 \
+                     LayoutPlace layout_place, global const uchar* rays, global uchar* results, global uchar* counts, \
+                     global uchar* control, RaysPlace rays_place, global uchar* deep_stack, ulong deep_stack_offset,  \
+                     uint deep_items, uint deep_capacity) {                                                           \
+        if (AT(uint, control, rays_place.control)[LEFT_RAYS] == 0) return;                                            \
+        const Scene scene = scene_at(scene_place, nodes, primitive_ids, vertices, indices, layout, layout_place);     \
+        trace_left(scene, AT(const float4, rays, rays_place.rays), rays_place.ray_count,                              \
+                   output_at(rays_place, results, counts, is_any), AT(uint2, deep_stack, deep_stack_offset),          \
+                   deep_items, deep_capacity);                                                                        \
     }
 
 DEFINE_TRACE(trace_closest, 0)
@@ -151,29 +160,32 @@ DEFINE_TRACE(trace_any, 1)
 DEFINE_DEEP_TRACE(deep_closest, 0)
 DEFINE_DEEP_TRACE(deep_any, 1)
 
-KERNEL void begin_trace(global uchar* control_buffer, ulong control_offset) {
-    if (LOCAL_ID == 0) *AT(uint4, control_buffer, control_offset) = (uint4)(0, 0, 0, 0);
+KERNEL void begin_trace(global uchar* control, RaysPlace rays_place) {
+    if (LOCAL_ID == 0) *AT(uint4, control, rays_place.control) = (uint4)(0, 0, 0, 0);
 }
 
-#define WIDE_ARGUMENTS global const uchar *wide, ulong header_offset, ulong wide_nodes_offset, ulong wide_blocks_offset
-
-KERNEL void begin_wide_trace(global uchar* control_buffer, ulong control_offset, WIDE_ARGUMENTS) {
-    *AT(uint4, control_buffer, control_offset) =
-        (uint4)(0, AT(const uint, wide, header_offset)[LAYOUT_NODE_COUNT], 0, 0);
+KERNEL void begin_wide_trace(global const uchar* layout, LayoutPlace layout_place, global uchar* control,
+                             RaysPlace rays_place) {
+    *AT(uint4, control, rays_place.control) =
+        (uint4)(0, AT(const uint, layout, layout_place.header)[LAYOUT_NODE_COUNT], 0, 0);
 }
 
-#define DEFINE_WIDE_TRACE(name, is_any)                                                                                \
-    KERNEL void name(WIDE_ARGUMENTS, RAY_ARGUMENTS) {                                                                  \
-        const WideScene scene = {AT(const float, wide, wide_nodes_offset), AT(const float, wide, wide_blocks_offset)}; \
-        RAYS(is_any);                                                                                                  \
-        if (!control[GOES_WIDE]) return;                                                                               \
-        const size_t begin = BLOCK_RAYS * get_group_id(0);                                                             \
-        uint2 stack[WIDE_STACK];                                                                                       \
-        FOR_WORK_ITEMS(i, begin, min(begin + BLOCK_RAYS, (size_t)ray_count)) {                                         \
-            Hit hit;                                                                                                   \
-            const int is_done = trace_wide_ray(scene, load_ray(rays, i), is_any, stack, &hit) == TRACE_DONE;           \
-            store_or_leave(output, i, is_done, hit, no_counts(), control);                                             \
-        }                                                                                                              \
+#define DEFINE_WIDE_TRACE(name, is_any)                                                                          \
+    KERNEL void name(global const uchar* layout, LayoutPlace layout_place, global const uchar* rays_buffer,      \
+                     global uchar* results, global uchar* counts, global uchar* control, RaysPlace rays_place) { \
+        const WideScene scene = {AT(const float, layout, layout_place.nodes),                                    \
+                                 AT(const float, layout, layout_place.blocks)};                                  \
+        global const float4* const rays = AT(const float4, rays_buffer, rays_place.rays);                        \
+        const Output output = output_at(rays_place, results, counts, is_any);                                    \
+        global uint* const words = AT(uint, control, rays_place.control);                                        \
+        if (!words[GOES_WIDE]) return;                                                                           \
+        const size_t begin = BLOCK_RAYS * get_group_id(0);                                                       \
+        uint2 stack[WIDE_STACK];                                                                                 \
+        FOR_WORK_ITEMS(i, begin, min(begin + BLOCK_RAYS, (size_t)rays_place.ray_count)) {                        \
+            Hit hit;                                                                                             \
+            const int is_done = trace_wide_ray(scene, load_ray(rays, i), is_any, stack, &hit) == TRACE_DONE;     \
+            store_or_leave(output, i, is_done, hit, no_counts(), words);                                         \
+        }                                                                                                        \
     }
 
 DEFINE_WIDE_TRACE(wide_closest, 0)

@@ -40,7 +40,7 @@ public:
 
     void release_input() override {
         mesh_.vertices = {};
-        mesh_.triangles = {};
+        mesh_.indices = {};
     }
 
     BuildStats run() override {

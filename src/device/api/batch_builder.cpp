@@ -209,10 +209,10 @@ BatchJob BatchBuilder::State::reserve(const Placement& placement, const BatchPla
     BatchJob job;
     job.mesh.form = device::InputForm::indexed_32;
     job.mesh.primitive_count = job.mesh.active_count = static_cast<std::uint32_t>(placement.triangles);
-    job.mesh.vertices = vertices.reserve(session, placement.vertices * sizeof(Vec3));
-    job.mesh.triangles = triangles.reserve(session, placement.triangles * sizeof(Triangle));
+    job.mesh.vertices = {vertices.reserve(session, placement.vertices * sizeof(Vec3))};
+    job.mesh.indices = {triangles.reserve(session, placement.triangles * sizeof(Triangle))};
     job.mesh.vertex_stride = sizeof(Vec3);
-    job.mesh.triangle_stride = sizeof(Triangle);
+    job.mesh.index_stride = sizeof(Triangle);
     job.tree_count = static_cast<std::uint32_t>(placement.ranges.size());
     job.ranges = {ranges.reserve(session, placement.ranges.size() * sizeof(BatchRange))};
     job.nodes = {nodes.reserve(session, plan.nodes)};
@@ -226,8 +226,8 @@ void BatchBuilder::State::upload(std::span<const MeshView> meshes, const Placeme
                                  const BatchJob& job) const {
     const cl::CommandQueue& queue = context.session().queue();
     const cl_map_flags discard = CL_MAP_WRITE_INVALIDATE_REGION;
-    const Mapped to_vertices(queue, job.mesh.vertices, discard, placement.vertices * sizeof(Vec3));
-    const Mapped to_triangles(queue, job.mesh.triangles, discard, placement.triangles * sizeof(Triangle));
+    const Mapped to_vertices(queue, job.mesh.vertices.buffer, discard, placement.vertices * sizeof(Vec3));
+    const Mapped to_triangles(queue, job.mesh.indices.buffer, discard, placement.triangles * sizeof(Triangle));
     tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
         const BatchRange& range = placement.ranges[i];
         copy_vertices(meshes[i], to_vertices.as<Vec3>() + range.first_vertex);

@@ -15,19 +15,14 @@ std::uint64_t used_bytes(std::uint64_t count, std::uint64_t stride, std::uint64_
     return count > 0 ? (count - 1) * stride + last : 0;
 }
 
-void set_vertices(DeviceMesh& mesh, const CallerMemory& memory, std::uint32_t stride) {
-    mesh.vertices = memory.given.buffer;
-    mesh.vertex_offset = memory.given.offset;
-    mesh.vertex_stride = stride;
-}
-
 CallerInput check_form(const Session& session, const DeviceBoxes& input) {
     check_multiple("the boxes' offset", input.boxes.offset, 0, kFloat);
     check_multiple("the boxes' stride", input.stride, sizeof(Aabb), kFloat);
     CallerInput checked;
     checked.vertices = examine(session, "the boxes", input.boxes, used_bytes(input.count, input.stride, sizeof(Aabb)));
     checked.mesh.form = InputForm::boxes;
-    set_vertices(checked.mesh, checked.vertices, input.stride);
+    checked.mesh.vertices = checked.vertices.given;
+    checked.mesh.vertex_stride = input.stride;
     return checked;
 }
 
@@ -39,7 +34,8 @@ CallerInput check_form(const Session& session, const DeviceTriangles& input) {
     CallerInput checked;
     checked.vertices =
         examine(session, "the vertices", input.vertices, used_bytes(least_vertices, input.vertex_stride, sizeof(Vec3)));
-    set_vertices(checked.mesh, checked.vertices, input.vertex_stride);
+    checked.mesh.vertices = checked.vertices.given;
+    checked.mesh.vertex_stride = input.vertex_stride;
     if (!is_indexed) {
         checked.mesh.form = InputForm::triangles;
         return checked;
@@ -51,9 +47,8 @@ CallerInput check_form(const Session& session, const DeviceTriangles& input) {
     check_multiple("the indices' stride", stride, 3 * index_bytes, index_bytes);
     checked.indices = examine(session, "the indices", input.indices, used_bytes(input.count, stride, 3 * index_bytes));
     checked.mesh.form = is_short ? InputForm::indexed_16 : InputForm::indexed_32;
-    checked.mesh.triangles = checked.indices.given.buffer;
-    checked.mesh.triangle_offset = input.indices.offset;
-    checked.mesh.triangle_stride = static_cast<std::uint32_t>(stride);
+    checked.mesh.indices = checked.indices.given;
+    checked.mesh.index_stride = static_cast<std::uint32_t>(stride);
     return checked;
 }
 

@@ -140,7 +140,7 @@ void DeviceRefitter::State::refit(device::Launcher& launcher, const DeviceBvh& g
     device::note_layout(traced, tree.nodes);
     device::launch_layout_refit(
         launcher, layout_settings,
-        {given.node_count, given.reference_count, {tree.tree.nodes}, {ids_view}, {}, input.mesh}, traced.given);
+        {given.node_count, given.reference_count, {tree.tree.nodes}, {ids_view}, {}, input.mesh, traced.given});
 }
 
 DeviceRefitter::DeviceRefitter(Context context, const DeviceRefitterOptions& options)

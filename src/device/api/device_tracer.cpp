@@ -202,10 +202,9 @@ void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& sce
         device::check_apart({out, active_count});
         launcher.begin_stage("layout", 0.0);
         device::note_layout(out, checked.nodes);
-        device::launch_layout(launcher, state.settings.layout,
-                              {checked.scene.node_count, checked.scene.reference_count, checked.scene.nodes,
-                               checked.scene.primitive_ids, active_count.given, checked.scene.mesh},
-                              out.given);
+        checked.scene.active_count = active_count.given;
+        checked.scene.layout = out.given;
+        device::launch_layout(launcher, state.settings.layout, checked.scene);
     });
 }
 

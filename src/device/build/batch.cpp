@@ -45,10 +45,9 @@ ProgramSpec batch_program(const BuildSettings& settings) {
 
 void launch_batch(Launcher& launcher, const BuildSettings& settings, const BatchPlan& plan, const BatchJob& job) {
     const BatchScratch scratch(job.mesh.primitive_count, job.tree_count, ArrayLayout(job.scratch));
-    const cl::Buffer& indices = job.mesh.triangles() != nullptr ? job.mesh.triangles : job.mesh.vertices;
     launcher.launch(launcher.session().kernel(batch_program(settings), kernel_of(job.mesh.form)), job.tree_count,
-                    job.mesh.vertices, job.mesh.vertex_offset, job.mesh.vertex_stride, indices,
-                    job.mesh.triangle_offset, job.mesh.triangle_stride, job.ranges.buffer, job.ranges.offset,
+                    job.mesh.vertices.buffer, job.mesh.vertices.offset, job.mesh.vertex_stride, job.mesh.index_buffer(),
+                    job.mesh.indices.offset, job.mesh.index_stride, job.ranges.buffer, job.ranges.offset,
                     view_of(job.nodes, 0, plan.nodes), view_of(job.primitive_ids, 0, plan.primitive_ids),
                     view_of(job.active_counts, 0, plan.active_counts), scratch.leaves, scratch.inner,
                     scratch.references, scratch.other, scratch.bounds);

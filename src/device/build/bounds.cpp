@@ -20,7 +20,7 @@ std::string_view kernel_of(InputForm form) {
 std::uint64_t input_bytes(const DeviceMesh& mesh) {
     const std::uint64_t n = mesh.primitive_count;
     switch (mesh.form) {
-        case InputForm::tight: return mesh.vertices.getInfo<CL_MEM_SIZE>() + sizeof(Triangle) * n;
+        case InputForm::tight: return mesh.vertices.buffer.getInfo<CL_MEM_SIZE>() + sizeof(Triangle) * n;
         case InputForm::boxes: return sizeof(Aabb) * n;
         default: return (sizeof(Triangle) + 3 * sizeof(Vec3)) * n;
     }
@@ -37,10 +37,9 @@ void launch_bounds(Launcher& launcher, const DeviceFit& fit, const BuildBuffers&
     Kernel& primitives = session.kernel(bounds_program(fit), kernel_of(mesh.form));
     Kernel& reduce = session.kernel(bounds_program(fit), "reduce_bounds");
     const Pieces pieces = fit.stream_pieces(mesh.primitive_count);
-    const cl::Buffer& indices = mesh.triangles() != nullptr ? mesh.triangles : mesh.vertices;
-    launcher.launch(primitives, pieces.count, mesh.vertices, mesh.vertex_offset, mesh.vertex_stride, indices,
-                    mesh.triangle_offset, mesh.triangle_stride, mesh.primitive_count, pieces.length, buffers.boxes,
-                    buffers.partial_bounds, buffers.partial_counts);
+    launcher.launch(primitives, pieces.count, mesh.vertices.buffer, mesh.vertices.offset, mesh.vertex_stride,
+                    mesh.index_buffer(), mesh.indices.offset, mesh.index_stride, mesh.primitive_count, pieces.length,
+                    buffers.boxes, buffers.partial_bounds, buffers.partial_counts);
     launcher.count_bytes(input_bytes(mesh) + sizeof(Aabb) * std::uint64_t{mesh.primitive_count});
     launcher.launch(reduce, 1, buffers.partial_bounds, buffers.partial_counts, pieces.count, buffers.bounds,
                     buffers.primitive_count);

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "device/opencl/opencl.hpp"
+#include "device/opencl/memory_block.hpp"
 #include "kernels/build/build_constants.h"
 
 namespace clbvh::device {
@@ -18,13 +18,17 @@ enum class InputForm : std::uint8_t {
 
 /// Primitives in device memory. Sizes and strides are in bytes.
 struct DeviceMesh {
-    cl::Buffer vertices;   ///< Triangles: float[3] each; boxes: float[6] each.
-    cl::Buffer triangles;  ///< Indices, where the form has them; else null.
+    Block vertices;  ///< Triangles: float[3] each; boxes: float[6] each.
+    Block indices;   ///< Three a triangle, where the form has them; else without a buffer.
     std::uint32_t primitive_count = 0;
     std::uint32_t active_count = 0;  ///< Primitives without a NaN, the leaves of the tree; or as many as there may be.
     InputForm form = InputForm::tight;
-    std::uint64_t vertex_offset = 0, triangle_offset = 0;
-    std::uint32_t vertex_stride = 0, triangle_stride = 0;  ///< Not used by the tight form.
+    std::uint32_t vertex_stride = 0, index_stride = 0;  ///< Not used by the tight form.
+
+    /// A buffer for kernels, none of which is given a null one: where there are no indices they are not read.
+    [[nodiscard]] const cl::Buffer& index_buffer() const {
+        return indices.is_there() ? indices.buffer : vertices.buffer;
+    }
 };
 
 }  // namespace clbvh::device

@@ -28,7 +28,7 @@ cl::Buffer bind(Session& session, const HostArray& array) {
 DeviceMesh bind(Session& session, const BoxView& boxes) {
     DeviceMesh result;
     result.form = InputForm::boxes;
-    result.vertices = bind(session, {boxes.boxes, boxes.count, boxes.stride, sizeof(Aabb)});
+    result.vertices = {bind(session, {boxes.boxes, boxes.count, boxes.stride, sizeof(Aabb)})};
     result.vertex_stride = boxes.stride;
     return result;
 }
@@ -43,13 +43,13 @@ InputForm form_of(const MeshView& mesh) {
 DeviceMesh bind(Session& session, const MeshView& mesh) {
     DeviceMesh result;
     result.form = form_of(mesh);
-    result.vertices = bind(session, {mesh.vertices, mesh.vertex_count, mesh.vertex_stride, sizeof(Vec3)});
+    result.vertices = {bind(session, {mesh.vertices, mesh.vertex_count, mesh.vertex_stride, sizeof(Vec3)})};
     result.vertex_stride = mesh.vertex_stride;
     if (mesh.indices == nullptr) return result;
     const std::uint64_t index_bytes =
         mesh.index_type == IndexType::uint16 ? sizeof(std::uint16_t) : sizeof(std::uint32_t);
-    result.triangle_stride = mesh.bytes_between_triangles();
-    result.triangles = bind(session, {mesh.indices, mesh.triangle_count, result.triangle_stride, 3 * index_bytes});
+    result.index_stride = mesh.bytes_between_triangles();
+    result.indices = {bind(session, {mesh.indices, mesh.triangle_count, result.index_stride, 3 * index_bytes})};
     return result;
 }
 

@@ -5,12 +5,18 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "clbvh/core/build_stats.hpp"
 #include "device/opencl/session.hpp"
 
 namespace clbvh::device {
+
+/// A buffer, an integer, a float, or a structure of such numbers that a kernel's header defines for both languages.
+template <class T>
+concept KernelArgument = std::same_as<T, cl::Buffer> || std::same_as<T, float> || std::integral<T> ||
+    (std::is_aggregate_v<T>&& std::is_trivially_copyable_v<T>);
 
 /// Enqueues the kernels of one build, stage by stage, each to run when the one before is done, whatever the order of
 /// the queue. Keeps the books: launches, times, progress.
@@ -28,11 +34,9 @@ public:
     /// Reports progress within the stage; throws as begin_stage does.
     void report(double fraction);
 
-    /// Enqueues `groups` work groups of `kernel` with `arguments` (buffers, integers and floats) in order.
-    template <class... Arguments>
-    requires((std::same_as<Arguments, cl::Buffer> || std::same_as<Arguments, float> ||
-              std::integral<Arguments>)&&...) void launch(Kernel& kernel, std::size_t groups,
-                                                          const Arguments&... arguments) {
+    /// Enqueues `groups` work groups of `kernel` with `arguments` in order.
+    template <KernelArgument... Arguments>
+    void launch(Kernel& kernel, std::size_t groups, const Arguments&... arguments) {
         cl_uint index = 0;
         with_opencl_errors("kernel " + kernel.name, [&] { (kernel.kernel.setArg(index++, arguments), ...); });
         enqueue(kernel, groups);

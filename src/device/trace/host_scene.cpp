@@ -48,16 +48,13 @@ HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh&
 void HostScene::lay_out_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh,
                                   const MeshView& mesh) {
     scene_.reference_count = static_cast<std::uint32_t>(bvh.primitive_ids.size());
-    LayoutInput from_mesh;
-    from_mesh.node_count = scene_.node_count;
-    from_mesh.reference_count = scene_.reference_count;
-    from_mesh.nodes = scene_.nodes;
+    scene_.layout = {allocate_buffer(session, lay_out_scene(scene_.node_count, scene_.reference_count).bytes)};
+    TraceScene from_mesh = scene_;
     from_mesh.primitive_ids = {upload(session, as_span(bvh.primitive_ids))};
     from_mesh.mesh = bind_primitives(session, mesh, mesh.triangle_count);
-    scene_.layout = {allocate_buffer(session, lay_out_scene(scene_.node_count, scene_.reference_count).bytes)};
     Launcher launcher(session, session.queue(), {});
     launcher.begin_stage("layout", 0.0);
-    launch_layout(launcher, settings.layout, from_mesh, scene_.layout);
+    launch_layout(launcher, settings.layout, from_mesh);
     session.queue().finish();
 }
 

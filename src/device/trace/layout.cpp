@@ -1,9 +1,6 @@
 #include "device/trace/layout.hpp"
 
 #include <algorithm>
-#include <tuple>
-
-#include "kernels/layout/layout_constants.h"
 
 namespace clbvh::device {
 namespace {
@@ -21,44 +18,16 @@ std::uint64_t most_nodes(std::uint64_t references) {
     return references * 8 / 35 + 2;
 }
 
-template <typename... Arguments>
-void launch_in_layout(Launcher& launcher, const LayoutSettings& settings, const char* name, std::size_t groups,
-                      const std::tuple<Arguments...>& arguments) {
-    Kernel& kernel = launcher.session().kernel(layout_program(settings), name);
-    std::apply([&](const auto&... values) { launcher.launch(kernel, groups, values...); }, arguments);
+Kernel& layout_kernel(Launcher& launcher, const LayoutSettings& settings, const char* name) {
+    return launcher.session().kernel(layout_program(settings), name);
 }
 
-// OPENING_ARGUMENTS of kernels/layout/wide_layout.cl.
-auto opening_arguments(const LayoutInput& scene, const SceneLayout& layout) {
-    return std::make_tuple(scene.nodes.buffer, scene.nodes.offset, layout.state.buffer, layout.state.offset,
-                           layout.pieces.offset, layout.next_chunks.offset, layout.records.offset, layout.header.buffer,
-                           layout.header.offset);
-}
-
-// TREE_SIZE_ARGUMENTS of kernels/tree/tree_nodes.clh. No kernel is given a null buffer.
-auto tree_size_arguments(const LayoutInput& scene) {
-    const bool has_count = scene.active_count.is_there();
-    return std::make_tuple(scene.node_count, has_count ? scene.active_count.buffer : scene.nodes.buffer,
-                           scene.active_count.offset, std::uint32_t{has_count});
-}
-
-// TARGET_ARGUMENTS of kernels/layout/wide_layout.cl.
-auto layout_target_arguments(const LayoutInput& scene, const SceneLayout& layout) {
-    const DeviceMesh& mesh = scene.mesh;
-    const cl::Buffer& indices = mesh.triangles() != nullptr ? mesh.triangles : mesh.vertices;
-    return std::make_tuple(scene.primitive_ids.buffer, scene.primitive_ids.offset,
-                           static_cast<std::uint32_t>(mesh.form), mesh.vertices, mesh.vertex_offset, mesh.vertex_stride,
-                           indices, mesh.triangle_offset, mesh.triangle_stride, layout.nodes.offset,
-                           layout.blocks.offset, layout.sources.offset);
-}
-
-void launch_rows(Launcher& launcher, const LayoutSettings& settings, const LayoutInput& scene,
+void launch_rows(Launcher& launcher, const LayoutSettings& settings, const TraceScene& scene,
                  const SceneLayout& layout) {
     const std::size_t groups = (std::size_t{scene.reference_count} + kRowsOfGroup - 1) / kRowsOfGroup;
-    launch_in_layout(launcher, settings, "write_rows", groups,
-                     std::tuple_cat(std::make_tuple(layout.header.buffer), layout_target_arguments(scene, layout),
-                                    std::make_tuple(layout.rows.offset, scene.mesh.primitive_count,
-                                                    scene.reference_count, kRowsOfGroup)));
+    launcher.launch(layout_kernel(launcher, settings, "write_rows"), groups, scene.primitive_ids.buffer,
+                    scene.mesh.vertices.buffer, scene.mesh.index_buffer(), place_of(scene), scene.layout.buffer,
+                    place_of(layout), scene.mesh.primitive_count, scene.reference_count, kRowsOfGroup);
 }
 
 }  // namespace
@@ -86,6 +55,33 @@ SceneLayout lay_out_scene(std::uint32_t node_count, std::uint32_t reference_coun
     return scene;
 }
 
+kernels::ScenePlace place_of(const TraceScene& scene) {
+    const DeviceMesh& mesh = scene.mesh;
+    return {.nodes = scene.nodes.offset,
+            .primitive_ids = scene.primitive_ids.offset,
+            .vertices = mesh.vertices.offset,
+            .indices = mesh.indices.offset,
+            .active_count = scene.active_count.offset,
+            .node_count = scene.node_count,
+            .has_active_count = scene.active_count.is_there() ? 1u : 0u,
+            .form = static_cast<std::uint32_t>(mesh.form),
+            .vertex_stride = mesh.vertex_stride,
+            .index_stride = mesh.index_stride,
+            .unused = 0};
+}
+
+kernels::LayoutPlace place_of(const SceneLayout& layout) {
+    return {.header = layout.header.offset,
+            .nodes = layout.nodes.offset,
+            .blocks = layout.blocks.offset,
+            .sources = layout.sources.offset,
+            .rows = layout.rows.offset,
+            .state = layout.state.offset,
+            .pieces = layout.pieces.offset,
+            .next_chunks = layout.next_chunks.offset,
+            .records = layout.records.offset};
+}
+
 LayoutSettings resolve_layout_settings(Session& session, Shape shape) {
     const DeviceFit fit = fit_to_device(session, shape);
     const std::size_t largest = session.info().max_work_group_size;
@@ -96,26 +92,29 @@ ProgramSpec layout_program(const LayoutSettings& settings) {
     return {"wide_layout.cl", settings.work_group_size, ""};
 }
 
-void launch_layout(Launcher& launcher, const LayoutSettings& settings, const LayoutInput& scene, const Block& place) {
+void launch_layout(Launcher& launcher, const LayoutSettings& settings, const TraceScene& scene) {
     if (scene.reference_count == 0) return;
-    const SceneLayout layout = lay_out_scene(scene.node_count, scene.reference_count, place);
-    const auto opening = opening_arguments(scene, layout);
-    launch_in_layout(launcher, settings, "open_top", 1, std::tuple_cat(opening, tree_size_arguments(scene)));
-    launch_in_layout(launcher, settings, "open_pieces", layout.most_pieces - 1, opening);
-    launch_in_layout(launcher, settings, "number_pieces", 1, opening);
-    launch_in_layout(launcher, settings, "write_pieces", layout.most_pieces,
-                     std::tuple_cat(opening, layout_target_arguments(scene, layout)));
+    const SceneLayout layout = lay_out_scene(scene.node_count, scene.reference_count, scene.layout);
+    const auto kernel = [&](const char* name) -> Kernel& { return layout_kernel(launcher, settings, name); };
+    const kernels::ScenePlace place = place_of(scene);
+    const kernels::LayoutPlace parts = place_of(layout);
+    const cl::Buffer& tree = scene.nodes.buffer;
+    const cl::Buffer& out = scene.layout.buffer;
+    const cl::Buffer& active_count = scene.active_count.is_there() ? scene.active_count.buffer : tree;
+    launcher.launch(kernel("open_top"), 1, tree, active_count, place, out, parts);
+    launcher.launch(kernel("open_pieces"), layout.most_pieces - 1, tree, place, out, parts);
+    launcher.launch(kernel("number_pieces"), 1, tree, place, out, parts);
+    launcher.launch(kernel("write_pieces"), layout.most_pieces, tree, scene.primitive_ids.buffer,
+                    scene.mesh.vertices.buffer, scene.mesh.index_buffer(), place, out, parts);
     launch_rows(launcher, settings, scene, layout);
 }
 
-void launch_layout_refit(Launcher& launcher, const LayoutSettings& settings, const LayoutInput& scene,
-                         const Block& place) {
+void launch_layout_refit(Launcher& launcher, const LayoutSettings& settings, const TraceScene& scene) {
     if (scene.reference_count == 0) return;
-    const SceneLayout layout = lay_out_scene(scene.node_count, scene.reference_count, place);
-    launch_in_layout(launcher, settings, "refit_layout", settings.refit_groups,
-                     std::tuple_cat(std::make_tuple(scene.nodes.buffer, scene.nodes.offset, layout.header.buffer,
-                                                    layout.header.offset),
-                                    layout_target_arguments(scene, layout)));
+    const SceneLayout layout = lay_out_scene(scene.node_count, scene.reference_count, scene.layout);
+    launcher.launch(layout_kernel(launcher, settings, "refit_layout"), settings.refit_groups, scene.nodes.buffer,
+                    scene.primitive_ids.buffer, scene.mesh.vertices.buffer, scene.mesh.index_buffer(), place_of(scene),
+                    scene.layout.buffer, place_of(layout));
     launch_rows(launcher, settings, scene, layout);
 }
 

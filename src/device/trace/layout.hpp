@@ -4,6 +4,7 @@
 #include "device/opencl/device_mesh.hpp"
 #include "device/opencl/launcher.hpp"
 #include "device/opencl/memory_block.hpp"
+#include "kernels/layout/layout_constants.h"
 
 namespace clbvh::device {
 
@@ -20,13 +21,18 @@ struct SceneLayout {
 [[nodiscard]] SceneLayout lay_out_scene(std::uint32_t node_count, std::uint32_t reference_count,
                                         const Block& place = {});
 
-/// A tree and its mesh.
-struct LayoutInput {
+/// A tree, its mesh, and its layout.
+struct TraceScene {
     std::uint32_t node_count = 0, reference_count = 0;
     Block nodes, primitive_ids;
     Block active_count;  ///< A uint, half the nodes in use; without a buffer all of node_count may be.
     DeviceMesh mesh;
+    Block layout;
 };
+
+/// As kernels are told where it is.
+[[nodiscard]] kernels::ScenePlace place_of(const TraceScene& scene);
+[[nodiscard]] kernels::LayoutPlace place_of(const SceneLayout& layout);
 
 /// How layouts are made on one device.
 struct LayoutSettings {
@@ -37,13 +43,11 @@ struct LayoutSettings {
 
 [[nodiscard]] ProgramSpec layout_program(const LayoutSettings& settings);
 
-/// Puts a layout of the scene into `place`, within a stage of the launcher's. Five launches, none where there are no
-/// references.
-void launch_layout(Launcher& launcher, const LayoutSettings& settings, const LayoutInput& scene, const Block& place);
+/// Makes the scene's layout, within a stage of the launcher's. Five launches, none where there are no references.
+void launch_layout(Launcher& launcher, const LayoutSettings& settings, const TraceScene& scene);
 
-/// Gives the layout in `place` the boxes of the tree that it was made of, and the vertices of the mesh, within a stage
-/// of the launcher's. Two launches, none where there are no references.
-void launch_layout_refit(Launcher& launcher, const LayoutSettings& settings, const LayoutInput& scene,
-                         const Block& place);
+/// Gives the scene's layout the boxes of the tree that it was made of, and the vertices of the mesh, within a stage of
+/// the launcher's. Two launches, none where there are no references.
+void launch_layout_refit(Launcher& launcher, const LayoutSettings& settings, const TraceScene& scene);
 
 }  // namespace clbvh::device

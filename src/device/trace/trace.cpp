@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <string>
-#include <tuple>
 
 #include "clbvh/core/error.hpp"
 #include "core/check_field.hpp"
@@ -25,8 +24,6 @@ constexpr std::uint64_t kMostDeepItems = 64;
 constexpr std::uint64_t kControlBytes = 64;
 constexpr std::uint64_t kEntryBytes = 8;
 
-constexpr std::uint32_t kLeafOrder = kernels::INPUT_LEAF_ORDER;
-
 std::uint32_t chosen(std::uint32_t option, std::uint32_t automatic) {
     return option != 0 ? option : automatic;
 }
@@ -41,34 +38,13 @@ cl_device_fp_config float_abilities(const Session& session) {
     return session.queue().getInfo<CL_QUEUE_DEVICE>().getInfo<CL_DEVICE_SINGLE_FP_CONFIG>();
 }
 
-// SCENE_ARGUMENTS of kernels/trace/trace.cl. What a scene lacks is not read, but no kernel is given a null buffer.
-auto scene_arguments(const TraceScene& scene, const SceneLayout& layout, const cl::Buffer& stand_in) {
-    const auto given = [&](const cl::Buffer& buffer) { return buffer() != nullptr ? buffer : stand_in; };
-    const bool has_layout = scene.layout.buffer() != nullptr;
-    const DeviceMesh& mesh = scene.mesh;
-    return std::make_tuple(given(scene.nodes.buffer), scene.nodes.offset, scene.node_count,
-                           given(scene.primitive_ids.buffer), scene.primitive_ids.offset,
-                           has_layout ? kLeafOrder : static_cast<std::uint32_t>(mesh.form), given(mesh.vertices),
-                           mesh.vertex_offset, mesh.vertex_stride, given(mesh.triangles), mesh.triangle_offset,
-                           mesh.triangle_stride, given(layout.rows.buffer), layout.rows.offset);
-}
-
-// RAY_ARGUMENTS of kernels/trace/trace.cl.
-auto ray_arguments(const TraceRays& rays) {
-    const bool has_counts = rays.counts.buffer() != nullptr;
-    return std::make_tuple(rays.rays.buffer, rays.rays.offset, rays.count, rays.results.buffer, rays.results.offset,
-                           has_counts ? rays.counts.buffer : rays.scratch.buffer, rays.counts.offset,
-                           std::uint32_t{has_counts}, rays.scratch.buffer, rays.scratch.offset);
-}
-
-// WIDE_ARGUMENTS of kernels/trace/trace.cl.
-auto wide_arguments(const SceneLayout& layout) {
-    return std::make_tuple(layout.header.buffer, layout.header.offset, layout.nodes.offset, layout.blocks.offset);
-}
-
-template <typename Arguments>
-void launch_with(Launcher& launcher, Kernel& kernel, std::size_t groups, const Arguments& arguments) {
-    std::apply([&](const auto&... values) { launcher.launch(kernel, groups, values...); }, arguments);
+kernels::RaysPlace place_of(const TraceRays& rays, const TraceScratch& scratch) {
+    return {.rays = rays.rays.offset,
+            .results = rays.results.offset,
+            .counts = rays.counts.offset,
+            .control = scratch.control.offset,
+            .ray_count = rays.count,
+            .has_counts = rays.counts.is_there() ? 1u : 0u};
 }
 
 std::size_t groups_for(std::uint64_t count, std::uint32_t each) {
@@ -127,24 +103,34 @@ void launch_trace(Launcher& launcher, const TraceSettings& settings, const Trace
     const auto kernel = [&](const char* name) -> Kernel& { return launcher.session().kernel(program, name); };
     const TraceScratch scratch = lay_out_trace_scratch(scene.node_count, rays.scratch);
     const SceneLayout layout = lay_out_scene(scene.node_count, scene.reference_count, scene.layout);
-    const auto ray_values = ray_arguments(rays);
-    const auto all_values = std::tuple_cat(scene_arguments(scene, layout, rays.scratch.buffer), ray_values);
+    const bool has_layout = scene.layout.is_there(), has_counts = rays.counts.is_there();
+    kernels::ScenePlace place = place_of(scene);
+    if (has_layout) place.form = kernels::INPUT_LEAF_ORDER;
+    const kernels::LayoutPlace parts = place_of(layout);
+    const kernels::RaysPlace of_rays = place_of(rays, scratch);
+    // What a scene lacks is not read, but no kernel is given a null buffer.
+    const cl::Buffer& control = scratch.control.buffer;
+    const auto given = [&](const cl::Buffer& buffer) -> const cl::Buffer& {
+        return buffer() != nullptr ? buffer : control;
+    };
+    const cl::Buffer& counts = given(rays.counts.buffer);
+    const auto launch_binary = [&](const char* name, std::size_t groups, const auto&... rest) {
+        launcher.launch(kernel(name), groups, given(scene.nodes.buffer), given(scene.primitive_ids.buffer),
+                        given(scene.mesh.vertices.buffer), given(scene.mesh.indices.buffer), place,
+                        given(scene.layout.buffer), parts, rays.rays.buffer, rays.results.buffer, counts, control,
+                        of_rays, rest...);
+    };
     const std::size_t blocks = groups_for(rays.count, settings.block_rays);
-    const bool is_counted = rays.counts.is_there();
-    if (scene.layout.is_there() && !is_counted) {
-        const auto wide_values = wide_arguments(layout);
-        launch_with(launcher, kernel("begin_wide_trace"), 1,
-                    std::tuple_cat(std::make_tuple(scratch.control.buffer, scratch.control.offset), wide_values));
-        launch_with(launcher, kernel(rays.any ? "wide_any" : "wide_closest"), blocks,
-                    std::tuple_cat(wide_values, ray_values));
+    if (has_layout && !has_counts) {
+        launcher.launch(kernel("begin_wide_trace"), 1, scene.layout.buffer, parts, control, of_rays);
+        launcher.launch(kernel(rays.any ? "wide_any" : "wide_closest"), blocks, scene.layout.buffer, parts,
+                        rays.rays.buffer, rays.results.buffer, counts, control, of_rays);
     } else {
-        launcher.launch(kernel("begin_trace"), 1, scratch.control.buffer, scratch.control.offset);
+        launcher.launch(kernel("begin_trace"), 1, control, of_rays);
     }
-    launch_with(launcher, kernel(rays.any ? "trace_any" : "trace_closest"), blocks, all_values);
-    launch_with(launcher, kernel(rays.any ? "deep_any" : "deep_closest"),
-                groups_for(scratch.deep_items, settings.work_group_size),
-                std::tuple_cat(all_values, std::make_tuple(scratch.deep.buffer, scratch.deep.offset, scratch.deep_items,
-                                                           scratch.deep_capacity)));
+    launch_binary(rays.any ? "trace_any" : "trace_closest", blocks);
+    launch_binary(rays.any ? "deep_any" : "deep_closest", groups_for(scratch.deep_items, settings.work_group_size),
+                  scratch.deep.buffer, scratch.deep.offset, scratch.deep_items, scratch.deep_capacity);
 }
 
 }  // namespace clbvh::device

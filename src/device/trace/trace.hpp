@@ -38,16 +38,6 @@ struct TraceScratch {
 /// For a tree of so many nodes; without a place only its size.
 [[nodiscard]] TraceScratch lay_out_trace_scratch(std::uint32_t node_count, const Block& place = {});
 
-/// A scene to trace rays through.
-struct TraceScene {
-    std::uint32_t node_count = 0;  ///< Where there are none the buffers may be null.
-    std::uint32_t reference_count = 0;
-    Block nodes, primitive_ids;
-    DeviceMesh mesh;
-    Block layout;  ///< Where launch_layout() put one of a tree with as many nodes and references; without a buffer the
-                   ///< triangles come from the mesh.
-};
-
 struct TraceRays {
     std::uint32_t count = 0;
     bool any = false;  ///< A byte each, else a Hit.
@@ -56,7 +46,8 @@ struct TraceRays {
 };
 
 /// Four launches at most, none where there are no rays. Rays that are not counted go through the layout's eight
-/// children, where there is one.
+/// children, where there is one, which is of a tree with as many nodes and references; others take triangles from its
+/// rows. Without a layout these come from the mesh. A scene without nodes needs no buffers.
 void launch_trace(Launcher& launcher, const TraceSettings& settings, const TraceScene& scene, const TraceRays& rays);
 
 }  // namespace clbvh::device

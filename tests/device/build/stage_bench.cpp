@@ -63,8 +63,8 @@ StageBench::StageBench(const BuildOptions& options, std::size_t primitives)
 
 device::DeviceMesh upload_mesh(const device::Session& session, const Mesh& mesh) {
     device::DeviceMesh uploaded;
-    uploaded.vertices = upload(session, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
-    uploaded.triangles = upload(session, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+    uploaded.vertices = {upload(session, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3))};
+    uploaded.indices = {upload(session, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle))};
     uploaded.primitive_count = static_cast<std::uint32_t>(mesh.triangles.size());
     uploaded.active_count = static_cast<std::uint32_t>(mesh.triangles.size() - check_mesh(mesh));
     return uploaded;
