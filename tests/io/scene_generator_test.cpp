@@ -98,7 +98,7 @@ TEST_CASE("every generator makes exactly the triangles it was asked for, and sou
     for (const SceneGeneratorInfo& generator : scene_generators()) {
         CHECK_FALSE(generator.description.empty());
         for (const std::uint64_t count :
-             {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 31, 32, 33, 999, 1000, 1001, 1003, 4096, 50001}) {
+             {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 10u, 31u, 32u, 33u, 999u, 1000u, 1001u, 1003u, 4096u, 50001u}) {
             const Mesh mesh = generate_scene(generator.name, count);
             INFO(generator.name << " " << count);
             CHECK(mesh.triangles.size() == count);

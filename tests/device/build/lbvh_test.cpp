@@ -50,8 +50,8 @@ Codes padded_to_pieces(const Codes& codes, std::uint32_t begin, std::uint32_t pi
 }  // namespace
 
 TEST_CASE("lbvh: random codes at sizes around work groups and pieces") {
-    for (const std::size_t size :
-         {1, 2, 3, 4, 5, 255, 256, 257, 1023, 1024, 1025, 2047, 2048, 2049, 4097, 32767, 32768, 32769, 70000}) {
+    for (const std::size_t size : {1u, 2u, 3u, 4u, 5u, 255u, 256u, 257u, 1023u, 1024u, 1025u, 2047u, 2048u, 2049u,
+                                   4097u, 32767u, 32768u, 32769u, 70000u}) {
         expect_prefix_tree(random_order(size).codes, "random");
     }
 }
