@@ -133,7 +133,7 @@ std::uint32_t split_position(const std::vector<std::uint64_t>& codes, std::uint3
     const std::uint32_t last = end - 1;
     const std::uint64_t difference = codes[begin] ^ codes[last];
     if (difference == 0) {
-        const int shift = std::bit_width(begin ^ last) - 1;
+        const int shift = static_cast<int>(std::bit_width(begin ^ last)) - 1;
         return (last >> shift) << shift;
     }
     const std::uint64_t bit = std::bit_floor(difference);
