@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "clbvh/builder.hpp"
+#include "clbvh/device/context.hpp"
 #include "support/environment_variable.hpp"
 #include "support/expect_error.hpp"
 
