@@ -1,6 +1,6 @@
 // Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", in the format
 // of tinybvh's BVH8_CWBVH. Here bounds are rounded without error, however far a node is from the origin, and nodes are
-// opened by area, where the paper finds the cheapest opening.
+// opened by area unless the paper's cheapest opening is asked for.
 #include "clbvh/layout/compressed8.hpp"
 
 #include <tbb/parallel_for.h>
@@ -193,9 +193,9 @@ std::uint64_t number_triangles(std::vector<PieceLeaves>& pieces) {
 }
 
 /// In the current arena.
-void convert(const Bvh& bvh, const MeshView& mesh, Compressed8& result) {
+void convert(const Bvh& bvh, const MeshView& mesh, Compressed8& result, NodeOpening node_opening) {
     Opening<Rules> opening;
-    opening.run(bvh.nodes);
+    opening.run(bvh.nodes, node_opening);
     const auto pieces = opening.pieces();
     std::vector<PieceLeaves> leaves(pieces.size());
     const auto for_each_piece = [&](const auto& action) {
@@ -219,7 +219,7 @@ void convert(const Bvh& bvh, const MeshView& mesh, Compressed8& result) {
 void make_layout(const Bvh& bvh, const MeshView& mesh, Compressed8& result, const LayoutOptions& options) {
     make_in_arena(result, options, [&] {
         if (options.check) check_tree(bvh, mesh);
-        if (!bvh.empty()) convert(bvh, mesh, result);
+        if (!bvh.empty()) convert(bvh, mesh, result, options.opening);
     });
     result.primitive_count = bvh.primitive_count;
     result.split_references = bvh.split_references;

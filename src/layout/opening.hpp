@@ -12,18 +12,16 @@
 #include <vector>
 
 #include "clbvh/core/bvh.hpp"
+#include "clbvh/layout/make_layout.hpp"
 #include "core/simd/float4.hpp"
 #include "core/simd/prefetch.hpp"
+#include "layout/least_cost_opening.hpp"
 #include "layout/octant_slots.hpp"
+#include "layout/opening_rules.hpp"
 
 // How nodes of two children become nodes of many: which nodes of the binary tree are the children of each wide node,
 // and which primitives share a leaf. What is written of that is each layout's own.
 namespace clbvh::layout {
-
-inline constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-
-/// Where the primitives of a block stand in primitive_ids; kNone behind the last.
-using Places = std::array<std::uint32_t, 4>;
 
 /// A wide node before it is written.
 template <std::uint32_t Width>
@@ -45,28 +43,6 @@ struct Piece {
     std::uint32_t first_block = 0;
 };
 
-/// In which order the children of a node are.
-enum class Slots {
-    by_area,   ///< Large ones first: rays that look for any hit try them in this order. None is missing between others.
-    by_octant  ///< See OctantSlots.
-};
-
-/// Width: children a node. Joined: most primitives of several leaves that are joined to one. MaxLeaf: most primitives
-/// of a leaf; larger ones get nodes of their own. Block: primitives of a block.
-template <std::uint32_t WidthValue, std::uint32_t JoinedValue, std::uint32_t MaxLeafValue, std::uint32_t BlockValue,
-          Slots SlotsValue = Slots::by_area>
-struct OpeningRules {
-    static constexpr std::uint32_t Width = WidthValue;
-    static constexpr std::uint32_t Joined = JoinedValue;
-    static constexpr std::uint32_t MaxLeaf = MaxLeafValue;
-    static constexpr std::uint32_t Block = BlockValue;
-    static constexpr bool kHasGaps = SlotsValue == Slots::by_octant;  ///< Between the children of a node.
-    static_assert(Joined <= Block && Block <= std::tuple_size_v<Places>);
-
-    static constexpr std::uint32_t kLeaf = 1U << 31U;
-    static constexpr std::uint32_t kBlockCountShift = 28;
-};
-
 /// Opens nodes one by one.
 template <typename Rules>
 class Opener {
@@ -80,7 +56,9 @@ public:
         std::uint32_t first, count;
     };
 
-    Opener(const Node* nodes, Piece<Width>& piece) : nodes_(nodes), piece_(piece) {}
+    /// Without a plan nodes are opened largest first.
+    Opener(const Node* nodes, Piece<Width>& piece, const LeastCostOpening<Rules>* plan)
+        : nodes_(nodes), piece_(piece), plan_(plan) {}
 
     /// Opens `item`, and puts each child that becomes a node behind the others in `queue`. `next_number` is the next of
     /// these.
@@ -126,6 +104,7 @@ private:
         open_area_.fill(1.0f);
         area_.fill(-1.0f);
         if (node == 0 && is_small_root()) return 1;
+        if (plan_ != nullptr) return take_planned(node, Width, 0);
         const std::uint32_t first = nodes_[node].first;
         evaluate(0, first);
         evaluate(1, first + 1);
@@ -136,6 +115,25 @@ private:
             evaluate(count, opened + 1);
         }
         return count;
+    }
+
+    /// Puts what the plan makes of `node` in so many slots behind the first `count` children. Returns how many there
+    /// are then.
+    std::uint32_t take_planned(std::uint32_t node, std::uint32_t slots, std::uint32_t count) {
+        while (slots > 1 && plan_->first_share(node, slots) == 0)
+            --slots;
+        if (slots == 1) {
+            evaluate(count, node);
+            return count + 1;
+        }
+        const std::uint32_t first = nodes_[node].first, share = plan_->first_share(node, slots);
+        count = take_planned(first, share, count);
+        return take_planned(first + 1, slots - share, count);
+    }
+
+    [[nodiscard]] bool may_join(std::uint32_t node) const noexcept {
+        if (plan_ == nullptr) return true;
+        return node == 0 ? plan_->is_joined_root() : plan_->is_joined(node);
     }
 
     /// The root of a tree that goes into one leaf stays alone.
@@ -156,7 +154,7 @@ private:
         open_area_[slot] = 1.0f;
         if (node.is_leaf()) {
             kind_[slot] = node.count > Rules::MaxLeaf ? Kind::large_leaf : Kind::leaf;
-        } else if (join(node.first, joined_[slot])) {
+        } else if (may_join(index) && join(node.first, joined_[slot])) {
             kind_[slot] = Kind::joined;
         } else {
             kind_[slot] = Kind::inner;
@@ -280,6 +278,7 @@ private:
 
     const Node* nodes_;
     Piece<Width>& piece_;
+    const LeastCostOpening<Rules>* plan_;
     // Of the children of the node at hand.
     alignas(32) std::array<float, Width> area_;       ///< Half areas; -1 where there is no child.
     alignas(32) std::array<float, Width> open_area_;  ///< Less the same of those that can be opened; else 1.
@@ -296,7 +295,10 @@ public:
     static constexpr std::uint32_t Width = Rules::Width;
 
     /// `nodes` are a tree, and not empty. Keeps the memory of the last run.
-    void run(std::span<const Node> nodes) {
+    void run(std::span<const Node> nodes, NodeOpening opening) {
+        const bool is_planned = opening == NodeOpening::least_cost;
+        if (is_planned) plan_.run(nodes);
+        const LeastCostOpening<Rules>* const plan = is_planned ? &plan_ : nullptr;
         constexpr std::size_t kNodesOfPiece = 2048;
         constexpr std::size_t kMostPieces = 1024;
         const std::size_t wanted = std::min(nodes.size() / kNodesOfPiece, kMostPieces);
@@ -306,7 +308,7 @@ public:
         Piece<Width>& top = pieces_[0];
         begin(top);
         std::uint32_t next_number = 1;
-        for (Opener<Rules> opener(nodes.data(), top); opened < queue.size() && queue.size() - opened < wanted;) {
+        for (Opener<Rules> opener(nodes.data(), top, plan); opened < queue.size() && queue.size() - opened < wanted;) {
             const Item item = queue[opened++];
             opener.open(item, top.nodes.emplace_back(), next_number, queue);
         }
@@ -316,7 +318,7 @@ public:
             std::size_t{1}, count_,
             [&](std::size_t i) {
                 pieces_[i].root = static_cast<std::uint32_t>(opened + i - 1);
-                open_piece(nodes.data(), pieces_[i], queue[opened + i - 1]);
+                open_piece(nodes.data(), pieces_[i], queue[opened + i - 1], plan);
             },
             tbb::simple_partitioner{});
         number_pieces(next_number);
@@ -343,9 +345,10 @@ private:
     }
 
     /// Level by level, so that what an item needs can be asked for in time.
-    static void open_piece(const Node* nodes, Piece<Width>& piece, const Item& root) {
+    static void open_piece(const Node* nodes, Piece<Width>& piece, const Item& root,
+                           const LeastCostOpening<Rules>* plan) {
         begin(piece);
-        Opener<Rules> opener(nodes, piece);
+        Opener<Rules> opener(nodes, piece, plan);
         std::uint32_t next_number = 0;
         std::vector<Item> queue;
         opener.open(root, piece.root_node, next_number, queue);
@@ -371,6 +374,7 @@ private:
         }
     }
 
+    LeastCostOpening<Rules> plan_;
     std::vector<Piece<Width>> pieces_;  // the first is the top of the tree
     std::size_t count_ = 0;             // of them, in the last run
     std::uint64_t node_count_ = 0;

@@ -70,16 +70,18 @@ void write_nodes(const Node* nodes, const Piece<Width>& piece, bool is_top, Wide
 }  // namespace
 
 template <std::uint32_t Width>
-void WideConverter<Width>::run(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result) {
-    make_or_empty(result, [&] { convert(tree, mesh, result); });
+void WideConverter<Width>::run(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result,
+                               NodeOpening opening) {
+    make_or_empty(result, [&] { convert(tree, mesh, result, opening); });
 }
 
 template <std::uint32_t Width>
-void WideConverter<Width>::convert(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result) {
+void WideConverter<Width>::convert(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result,
+                                   NodeOpening opening) {
     result.primitive_count = tree.primitive_count;
     result.split_references = tree.split_references;
     if (tree.nodes.empty()) return;
-    opening_.run(tree.nodes);
+    opening_.run(tree.nodes, opening);
     if (opening_.block_count() > WideChild::kFirstBlockMask) {
         throw Error(ErrorCode::unsupported, "the layout would have " + std::to_string(opening_.block_count()) +
                                                 " blocks of triangles, and 2^28 - 1 is the most");
@@ -109,7 +111,7 @@ template <std::uint32_t Width>
 void make(const Bvh& bvh, const MeshView& mesh, WideLayout<Width>& result, const LayoutOptions& options) {
     make_in_arena(result, options, [&] {
         if (options.check) check_tree(bvh, mesh);
-        WideConverter<Width>().run(view_of(bvh), mesh, result);
+        WideConverter<Width>().run(view_of(bvh), mesh, result, options.opening);
     });
 }
 

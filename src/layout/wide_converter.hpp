@@ -32,10 +32,11 @@ class WideConverter {
 public:
     /// In the current arena. The tree is one over the mesh. Throws Error(unsupported) for too many blocks, and
     /// Error(out_of_memory) or std::bad_alloc; `result` is then empty.
-    void run(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result);
+    void run(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result,
+             NodeOpening opening = NodeOpening::largest_first);
 
 private:
-    void convert(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result);
+    void convert(const TreeView& tree, const MeshView& mesh, WideLayout<Width>& result, NodeOpening opening);
 
     Opening<WideRules<Width>> opening_;
 };

@@ -4,6 +4,7 @@
 #include <clbvh/builder.hpp>
 #include <clbvh/io/bvh_file.hpp>
 #include <clbvh/io/layout_file.hpp>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -36,6 +37,7 @@ struct BuildCommandArguments {
     bool validate = false;
     std::string output;
     std::string layout;  // empty where the tree itself is written
+    NodeOpening opening = NodeOpening::largest_first;
     JsonOutput json;
 };
 
@@ -88,7 +90,8 @@ std::string write_output(const BuildCommandArguments& arguments, const Bvh& bvh,
         return arguments.output;
     }
     with_layout(layout_kind(arguments.layout), [&](auto layout) {
-        lay_out(bvh, mesh, layout, {.thread_count = arguments.build.options.thread_count});
+        lay_out(bvh, mesh, layout,
+                {.thread_count = arguments.build.options.thread_count, .opening = arguments.opening});
         if (arguments.validate) validate(layout, mesh);
         write_layout(layout, arguments.output);
     });
@@ -140,9 +143,15 @@ Command add_build_command(CLI::App& app) {
         command->add_option("-o,--output", arguments->output, "Write the tree to this file, which clbvh dump shows")
             ->type_name("FILE")
             ->check(require_file_name);
-    command->add_option("--layout", arguments->layout, "Write this layout of the tree in its place")
-        ->needs(output)
-        ->check(CLI::IsMember({"wide8", "wide4", "compressed8", "pair", "skip"}));
+    CLI::Option* layout =
+        command->add_option("--layout", arguments->layout, "Write this layout of the tree in its place")
+            ->needs(output)
+            ->check(CLI::IsMember({"wide8", "wide4", "compressed8", "pair", "skip"}));
+    command->add_option("--opening", arguments->opening, "How nodes of wide layouts are opened")
+        ->needs(layout)
+        ->type_name("largest-first|least-cost")
+        ->transform(CLI::Transformer(std::map<std::string, NodeOpening>{{"largest-first", NodeOpening::largest_first},
+                                                                        {"least-cost", NodeOpening::least_cost}}));
     command->add_flag("--validate", arguments->validate,
                       "Prove the tree right, and its layout; exit code 3 where the tree is not");
     arguments->json.add_option(*command);

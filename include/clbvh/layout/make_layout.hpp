@@ -7,12 +7,19 @@
 
 namespace clbvh {
 
+/// Which nodes of the binary tree become the children of a node of many children.
+enum class NodeOpening : std::uint8_t {
+    largest_first,  ///< The one with the largest box is opened until there is no room for more.
+    least_cost      ///< Those of the tree with the least SAH cost of all: slower to find, see docs/layouts.md.
+};
+
 /// How a layout is made.
 struct LayoutOptions {
     std::uint32_t thread_count = 0;  ///< 1 to 1024; 0: all.
     /// False for a tree that is known to be one over these primitives, as a builder's is: what is wrong with another
     /// then goes unnoticed, and the behaviour is undefined.
     bool check = true;
+    NodeOpening opening = NodeOpening::largest_first;  ///< Of Wide8, Wide4 and Compressed8; others keep all nodes.
 };
 
 /// A new layout of a tree over triangles: make_layout<clbvh::Wide8>(bvh, mesh).

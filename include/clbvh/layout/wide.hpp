@@ -79,7 +79,7 @@ using Wide4 = WideLayout<4>;
 using Wide8 = WideLayout<8>;
 
 /// Makes the layout of a tree over triangles, with all threads. The same bytes with any number of them.
-/// The node with the largest box is opened again and again until there are `Width` children.
+/// Nodes are opened until there are `Width` children, as `options` say.
 /// `result` is made anew in the memory that it has.
 /// Throws Error(invalid_input) naming the first offender where the tree is none over the mesh, Error(unsupported) for
 /// more than 2^28 - 1 blocks, Error(out_of_memory). `result` is then empty.

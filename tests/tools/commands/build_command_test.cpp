@@ -2,6 +2,7 @@
 #include <clbvh/catalog.hpp>
 #include <clbvh/core/validate.hpp>
 #include <clbvh/io/bvh_file.hpp>
+#include <clbvh/io/layout_file.hpp>
 #include <clbvh/io/scene.hpp>
 #include <clbvh/metrics/sah.hpp>
 #include <filesystem>
@@ -296,7 +297,16 @@ TEST_CASE("build writes layouts, and dump says what they hold") {
         CHECK(shown["split_references"] == true);
         CHECK(shown["bytes"] == std::filesystem::file_size(path));
     }
+    const auto nodes_with = [&](const char* opening) {
+        const Words words{"build", "gen:city:5000", "--builder", "median", "--layout",
+                          "wide8", "--opening",     opening,     "-o",     path};
+        REQUIRE(run_tool(words).exit_code == 0);
+        return read_layout_info(path).node_count;
+    };
+    CHECK(nodes_with("least-cost") < nodes_with("largest-first"));
     expect_failure({"gen:soup:10", "--layout", "wide8"}, {"-o"});
+    expect_failure({"gen:soup:10", "--opening", "least-cost"}, {"--layout"});
+    expect_failure({"gen:soup:10", "--layout", "wide8", "--opening", "any", "-o", path}, {"any"});
     expect_failure({"gen:soup:10", "--layout", "wide16", "-o", path}, {"wide16"});
 }
 
