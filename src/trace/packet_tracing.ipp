@@ -133,6 +133,7 @@ template <typename Set, typename Test>
 class Packet {
 public:
     using Floats8 = typename Set::Float8;
+    using TriangleTestOfRays = Test;
 
     Packet(const PacketRays<Floats8>& rays, const Ray* first) noexcept : rays_(rays), first_(first), lanes_(rays) {
         rays_.t_max.store_aligned(t_max_.data());
@@ -201,6 +202,7 @@ template <typename Set, typename Test>
 class ClosestPacket : public Packet<Set, Test> {
 public:
     using Result = Hit;
+    static constexpr bool kIsAny = false;
     using Packet<Set, Test>::Packet;
 
     /// Returns false to end the traversal.
@@ -225,6 +227,7 @@ template <typename Set, typename Test>
 class AnyPacket : public Packet<Set, Test> {
 public:
     using Result = std::uint8_t;
+    static constexpr bool kIsAny = true;
     using Packet<Set, Test>::Packet;
 
     bool visit(const TriangleBlock& block, std::size_t triangle) noexcept {
@@ -314,7 +317,7 @@ bool walk_packet(const Wide8& tree, Visitor& packet, DeferredChild* const stack)
     }
 }
 
-/// Traces rays of which some lie close together.
+/// Traces rays: eight that lie close together as one, others alone.
 template <typename Set, typename Visitor, typename SingleVisitor>
 class ManyRays {
 public:
@@ -354,26 +357,27 @@ private:
     WideStack stack_;
 };
 
-/// Traces many rays: eight that lie close together as one, others alone.
-template <typename Set, typename Visitor, typename SingleVisitor>
-void trace_many(const Wide8& tree, std::span<const Ray> rays, typename Visitor::Result* results) {
+/// Traces many rays, with ManyRays or what else has its form.
+template <typename Many>
+void trace_many(const Wide8& tree, std::span<const Ray> rays, typename Many::Result* results) {
     if (tree.nodes.empty()) {
-        std::fill_n(results, rays.size(), typename Visitor::Result{});
+        std::fill_n(results, rays.size(), typename Many::Result{});
         return;
     }
-    ManyRays<Set, Visitor, SingleVisitor>(tree, rays, results).trace_all();
+    Many(tree, rays, results).trace_all();
 }
 
-template <typename Set, typename Test>
+template <typename Set, typename Test, template <typename, typename, typename> class Many>
 constexpr WideTracing kTracing{trace<Set, ClosestBlock<Set, Test>>,
                                trace<Set, AnyBlock<Set, Test>>,
                                trace<Set, FilteredClosestBlock<Set, Test>, const HitFilter>,
                                trace<Set, FilteredAnyBlock<Set, Test>, const HitFilter>,
                                trace<Set, AllBlock<Set, Test>, std::vector<Hit>>,
-                               trace_many<Set, ClosestPacket<Set, Test>, ClosestBlock<Set, Test>>,
-                               trace_many<Set, AnyPacket<Set, Test>, AnyBlock<Set, Test>>};
+                               trace_many<Many<Set, ClosestPacket<Set, Test>, ClosestBlock<Set, Test>>>,
+                               trace_many<Many<Set, AnyPacket<Set, Test>, AnyBlock<Set, Test>>>};
 
-template <typename Set>
+template <typename Set, template <typename, typename, typename> class Many = ManyRays>
 WideTracing tracing_of(TriangleTest test) noexcept {
-    return test == TriangleTest::watertight ? kTracing<Set, WatertightTest> : kTracing<Set, MollerTrumboreTest>;
+    return test == TriangleTest::watertight ? kTracing<Set, WatertightTest, Many>
+                                            : kTracing<Set, MollerTrumboreTest, Many>;
 }

@@ -18,8 +18,8 @@ namespace clbvh::trace {
     return arena_size(options.thread_count);
 }
 
-/// Rays of one task of the calls for many.
-inline constexpr std::size_t kRaysPerPiece = 256;
+/// Rays of one task of the calls for many: enough that those which are under way at a time are many for most of it.
+inline constexpr std::size_t kRaysPerPiece = 1024;
 
 /// Calls `action` with the beginnings and ends of pieces of `count` rays, in parallel. Only the last one may be short.
 template <typename Action>

@@ -23,7 +23,8 @@ struct WideTracing {
     bool (*any_filtered)(const Wide8& tree, const Ray& ray, const HitFilter& filter);
     /// Every hit, in no order; one primitive may come more than once.
     void (*all)(const Wide8& tree, const Ray& ray, std::vector<Hit>& hits);
-    /// Many rays, those that lie close together as one; results[i] is that of rays[i].
+    /// Many rays, those that lie close together as one, and with AVX2 others as a stream; results[i] is that of
+    /// rays[i].
     void (*closest_of_many)(const Wide8& tree, std::span<const Ray> rays, Hit* results);
     void (*any_of_many)(const Wide8& tree, std::span<const Ray> rays, std::uint8_t* results);
 };

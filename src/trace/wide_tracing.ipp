@@ -84,6 +84,42 @@ private:
     const HitRule& rule_;
 };
 
+/// Calls found(hit) with the hits of these triangles of the block up to `t_max`, until it returns false. False where it
+/// did.
+template <typename Test, typename Found>
+bool visit_hits_one_by_one(const TriangleBlock& block, std::uint32_t lanes, const HitRule& rule, const Test& test,
+                           float t_max, const Found& found) {
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+        const TriangleVertices triangle = triangle_of(block, lane);
+        const std::optional<PlaneHit> hit = rule.accept(triangle, test.meet(triangle));
+        if (hit && hit->t <= t_max && !found(Hit{hit->t, hit->u, hit->v, block.primitives[lane]})) return false;
+    }
+    return true;
+}
+
+/// The same for all triangles of the block at once. `lanes` and `rays` have the ray in every lane;
+/// visit_inexact(lanes) does the above for those which have to be looked at one by one.
+template <typename Floats4, typename Lanes, typename Rays, typename VisitInexact, typename Found>
+bool visit_hits_of(const TriangleBlock& block, const Lanes& lanes, const Rays& rays, float t_max,
+                   const VisitInexact& visit_inexact, const Found& found) {
+    const BlockVertices<Floats4> vertices{block};
+    LaneHits<Floats4> hits = lanes.hits(vertices, Floats4::filled(t_max));
+    if ((hits.sure | hits.inexact) == 0) return true;
+    if (hits.inexact != 0 && !visit_inexact(hits.inexact)) return false;
+    hits.sure = accepted_hits(rays, vertices, hits.sure, hits.t);
+    if (hits.sure == 0) return true;
+    alignas(16) std::array<std::array<float, kBlockTriangles>, 3> values;
+    hits.t.store_aligned(values[0].data());
+    hits.u.store_aligned(values[1].data());
+    hits.v.store_aligned(values[2].data());
+    for (; hits.sure != 0; hits.sure &= hits.sure - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(hits.sure));
+        if (!found(Hit{values[0][lane], values[1][lane], values[2][lane], block.primitives[lane]})) return false;
+    }
+    return true;
+}
+
 /// What finds hits in leaves has of a ray.
 template <typename Set, typename Test>
 class BlockVisitor {
@@ -99,36 +135,14 @@ protected:
     /// did.
     template <typename Found>
     bool visit_hits(const TriangleBlock& block, float t_max, const Found& found) const {
-        const BlockVertices<Floats4> vertices{block};
-        LaneHits<Floats4> hits = lanes_.hits(vertices, Floats4::filled(t_max));
-        if ((hits.sure | hits.inexact) == 0) return true;
-        if (hits.inexact != 0 && !visit_inexact(block, hits.inexact, t_max, found)) return false;
-        hits.sure = accepted_hits(RayInAllLanes<Floats4>(rule_), vertices, hits.sure, hits.t);
-        if (hits.sure == 0) return true;
-        alignas(16) std::array<std::array<float, kBlockTriangles>, 3> values;
-        hits.t.store_aligned(values[0].data());
-        hits.u.store_aligned(values[1].data());
-        hits.v.store_aligned(values[2].data());
-        for (; hits.sure != 0; hits.sure &= hits.sure - 1) {
-            const auto lane = static_cast<std::uint32_t>(std::countr_zero(hits.sure));
-            if (!found(Hit{values[0][lane], values[1][lane], values[2][lane], block.primitives[lane]})) return false;
-        }
-        return true;
+        const auto visit_inexact = [&](std::uint32_t lanes) {
+            return visit_hits_one_by_one(block, lanes, rule_, test_, t_max, found);
+        };
+        return visit_hits_of<Floats4>(block, lanes_, RayInAllLanes<Floats4>(rule_), t_max, visit_inexact, found);
     }
     [[nodiscard]] float ray_end() const noexcept { return rule_.t_max(); }
 
 private:
-    template <typename Found>
-    bool visit_inexact(const TriangleBlock& block, std::uint32_t lanes, float t_max, const Found& found) const {
-        for (; lanes != 0; lanes &= lanes - 1) {
-            const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-            const TriangleVertices triangle = triangle_of(block, lane);
-            const std::optional<PlaneHit> hit = rule_.accept(triangle, test_.meet(triangle));
-            if (hit && hit->t <= t_max && !found(Hit{hit->t, hit->u, hit->v, block.primitives[lane]})) return false;
-        }
-        return true;
-    }
-
     HitRule rule_;
     Test test_;
     LanesOf<Test, Floats4> lanes_;

@@ -3,6 +3,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -25,11 +27,15 @@ namespace {
 #include "trace/wide_tracing.ipp"
 // And in terms of both.
 #include "trace/packet_tracing.ipp"
+// What is written for AVX2 alone, in terms of all of these.
+#include "trace/stream_rays.ipp"
+// In terms of stream_rays.ipp too.
+#include "trace/ray_stream.ipp"
 
 }  // namespace
 
 WideTracing wide_tracing_avx2(TriangleTest test) noexcept {
-    return tracing_of<simd::avx2::Set>(test);
+    return tracing_of<simd::avx2::Set, RayStream>(test);
 }
 
 }  // namespace clbvh::trace

@@ -62,6 +62,16 @@ public:
                    Floats::filled(test.shear().factor_z)},
           t_min_(Floats::filled(t_min)) {}
 
+    /// The ray of a shear in every lane.
+    WatertightLanes(const std::array<std::uint32_t, 3>& axes, const float* origin, const float* factors,
+                    float t_min) noexcept
+        : x_(axes[0]),
+          y_(axes[1]),
+          z_(axes[2]),
+          origin_{Floats::filled(origin[x_]), Floats::filled(origin[y_]), Floats::filled(origin[z_])},
+          factors_{Floats::filled(factors[0]), Floats::filled(factors[1]), Floats::filled(factors[2])},
+          t_min_(Floats::filled(t_min)) {}
+
     /// Of rays that have the same shear axes.
     explicit WatertightLanes(const PacketRays<Floats>& rays) noexcept
         : x_(rays.shear_x),

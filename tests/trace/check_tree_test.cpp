@@ -1,5 +1,8 @@
 // Trees that cannot be traced are refused, and trees of any shape can.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdint>
+#include <vector>
 
 #include "clbvh/builder.hpp"
 #include "clbvh/io/scene.hpp"
@@ -118,6 +121,13 @@ TEST_CASE("trees of any depth are traced") {
             CHECK(counts.inner_nodes == length - 1);
             CHECK(tracer.closest(from_begin).primitive == 0);
             CHECK(tracer.any(from_end));
+            std::vector<Hit> hits_of_many(35);
+            std::vector<std::uint8_t> is_hit(hits_of_many.size());
+            const std::vector<Ray> many(hits_of_many.size(), from_end);
+            tracer.closest(many, hits_of_many);
+            tracer.any(many, is_hit);
+            CHECK(std::ranges::all_of(hits_of_many, [&](const Hit& hit) { return hit.primitive == length - 1; }));
+            CHECK(std::ranges::count(is_hit, 1) == 35);
             CHECK(binary.visits(from_end) == RayCounts{length - 1, length, length});
             std::size_t hits = 0;
             tracer.all(from_end, [&](const Hit&) { return ++hits > 0; });

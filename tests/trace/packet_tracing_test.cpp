@@ -55,6 +55,18 @@ std::vector<Ray> rays_from_a_line(const Aabb& box, std::uint32_t count) {
     return rays;
 }
 
+/// From anywhere in the box in any direction, so that no two have much in common.
+std::vector<Ray> scattered_rays(const Aabb& box, std::uint32_t count) {
+    Random random(11);
+    std::vector<Ray> rays;
+    while (rays.size() < count) {
+        const Vec3 origin{random.between(box.lower.x, box.upper.x), random.between(box.lower.y, box.upper.y),
+                          random.between(box.lower.z, box.upper.z)};
+        rays.push_back({origin, 0.0f, {random.bell(), random.bell(), random.bell()}});
+    }
+    return rays;
+}
+
 /// The same rays with other beginnings and ends.
 std::vector<Ray> with_ranges(std::vector<Ray> rays) {
     Random random(7);
@@ -83,6 +95,7 @@ std::vector<Ray> rays_for(const Mesh& mesh) {
     std::vector<Ray> rays = camera_rays(box, 40);
     const auto add = [&](const std::vector<Ray>& more) { rays.insert(rays.end(), more.begin(), more.end()); };
     add(rays_from_a_line(box, 400));
+    add(scattered_rays(box, 3000));
     add(with_ranges(rays));
     add(with_odd_ones(rays));
     add(difficult_rays(mesh, 60));
@@ -159,8 +172,11 @@ TEST_CASE("any number of rays is traced as one by one, with and without a filter
     const Mesh mesh = generate_scene("hair", 3000);
     const Tracer tracer(build(mesh, "binned-sah"), mesh, {.thread_count = 2});
     const auto is_solid = [](const Ray&, const Hit& hit) { return hit.primitive % 3 != 0; };
-    const std::vector<Ray> all = camera_rays(mesh_bounds(mesh), 28);
-    for (const std::size_t count : {0u, 1u, 7u, 8u, 9u, 255u, 256u, 257u, 519u, 784u}) {
+    const Aabb box = mesh_bounds(mesh);
+    std::vector<Ray> all = scattered_rays(box, 32);
+    for (const std::vector<Ray>& more : {camera_rays(box, 28), with_odd_ones(scattered_rays(box, 1300))})
+        all.insert(all.end(), more.begin(), more.end());
+    for (const std::size_t count : {0u, 1u, 7u, 8u, 9u, 31u, 32u, 33u, 255u, 816u, 1023u, 1024u, 1025u, 2116u}) {
         const std::span<const Ray> rays = std::span(all).first(count);
         std::vector<Hit> hits(count), solid_hits(count);
         std::vector<std::uint8_t> any(count, 9), any_solid(count, 9);

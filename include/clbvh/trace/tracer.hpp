@@ -59,9 +59,9 @@ public:
     /// Calls `visit` with every hit, ordered by t and then by primitive, until it returns false.
     void all(const Ray& ray, const std::function<bool(const Hit&)>& visit) const;
 
-    /// Many rays at a time, in parallel; hits[i] is that of rays[i]. Neighbours in the span that lie close together, as
-    /// those of a camera do, are traced as one, which is faster; the hits are the same. Throws Error(invalid_input)
-    /// where the spans differ in length.
+    /// Many rays at a time, in parallel; hits[i] is that of rays[i]. It is faster than ray by ray, and most so where
+    /// neighbours in the span lie close together, as those of a camera do; the hits are the same. Throws
+    /// Error(invalid_input) where the spans differ in length.
     void closest(std::span<const Ray> rays, std::span<Hit> hits) const;
     void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) const;  ///< 1 or 0 each.
     void closest(std::span<const Ray> rays, std::span<Hit> hits, const HitFilter& filter) const;

@@ -111,6 +111,9 @@ struct Int8 {
     [[nodiscard]] static CLBVH_ALWAYS_INLINE Int8 filled(std::uint32_t value) noexcept {
         return {_mm256_set1_epi32(static_cast<int>(value))};
     }
+    [[nodiscard]] static CLBVH_ALWAYS_INLINE Int8 bits_of(Float8 value) noexcept {
+        return {_mm256_castps_si256(value.lanes)};
+    }
     /// 0, 1, 2 and so on.
     [[nodiscard]] static CLBVH_ALWAYS_INLINE Int8 lane_numbers() noexcept {
         return {_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)};
@@ -124,8 +127,14 @@ struct Int8 {
 
     friend CLBVH_ALWAYS_INLINE Int8 operator+(Int8 a, Int8 b) noexcept { return {_mm256_add_epi32(a.lanes, b.lanes)}; }
     friend CLBVH_ALWAYS_INLINE Int8 operator-(Int8 a, Int8 b) noexcept { return {_mm256_sub_epi32(a.lanes, b.lanes)}; }
+    friend CLBVH_ALWAYS_INLINE Int8 operator&(Int8 a, Int8 b) noexcept { return {_mm256_and_si256(a.lanes, b.lanes)}; }
+    friend CLBVH_ALWAYS_INLINE Int8 operator|(Int8 a, Int8 b) noexcept { return {_mm256_or_si256(a.lanes, b.lanes)}; }
+    friend CLBVH_ALWAYS_INLINE Int8 operator^(Int8 a, Int8 b) noexcept { return {_mm256_xor_si256(a.lanes, b.lanes)}; }
     friend CLBVH_ALWAYS_INLINE Int8 min(Int8 a, Int8 b) noexcept { return {_mm256_min_epi32(a.lanes, b.lanes)}; }
     friend CLBVH_ALWAYS_INLINE Int8 max(Int8 a, Int8 b) noexcept { return {_mm256_max_epi32(a.lanes, b.lanes)}; }
+    friend CLBVH_ALWAYS_INLINE Mask8 less(Int8 a, Int8 b) noexcept {
+        return {_mm256_castsi256_ps(_mm256_cmpgt_epi32(b.lanes, a.lanes))};
+    }
     friend CLBVH_ALWAYS_INLINE Mask8 equal(Int8 a, Int8 b) noexcept {
         return {_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.lanes, b.lanes))};
     }
