@@ -43,8 +43,8 @@ public:
     [[nodiscard]] float t_max() const noexcept { return t_max_; }
 
     /// Turns what a triangle test found into a hit, if it is one; it may move t.
-    [[nodiscard]] std::optional<PlaneHit> accept(const TriangleVertices& triangle,
-                                                 std::optional<PlaneHit> found) const noexcept {
+    [[nodiscard]] CLBVH_ALWAYS_INLINE std::optional<PlaneHit> accept(const TriangleVertices& triangle,
+                                                                     std::optional<PlaneHit> found) const noexcept {
         if (!found || !(slabs_.t_min() <= found->t && found->t <= t_max_)) return std::nullopt;
         const Aabb box{min(min(triangle.v0, triangle.v1), triangle.v2),
                        max(max(triangle.v0, triangle.v1), triangle.v2)};

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "clbvh/core/ray.hpp"
+#include "core/simd/always_inline.hpp"
 
 // How a ray is tested against one triangle. The arithmetic, in the order in which it is written here, is a contract:
 // the vectors of the wide tree and the kernels on devices give the same bits.
@@ -38,7 +39,7 @@ public:
     [[nodiscard]] const Shear& shear() const noexcept { return shear_; }
 
     /// Where the line meets the triangle. Where a NaN comes in, t is NaN or there is nothing.
-    [[nodiscard]] std::optional<PlaneHit> meet(const TriangleVertices& triangle) const noexcept {
+    [[nodiscard]] CLBVH_ALWAYS_INLINE std::optional<PlaneHit> meet(const TriangleVertices& triangle) const noexcept {
         const Sheared a = sheared(triangle.v0);
         const Sheared b = sheared(triangle.v1);
         const Sheared c = sheared(triangle.v2);
@@ -99,7 +100,7 @@ public:
     explicit MollerTrumboreTest(const Ray& ray) noexcept : origin_(ray.origin), direction_(ray.direction) {}
 
     /// Where the line meets the triangle. Where a NaN comes in, t is NaN or there is nothing.
-    [[nodiscard]] std::optional<PlaneHit> meet(const TriangleVertices& triangle) const noexcept {
+    [[nodiscard]] CLBVH_ALWAYS_INLINE std::optional<PlaneHit> meet(const TriangleVertices& triangle) const noexcept {
         const Vec3 edge1 = difference(triangle.v1, triangle.v0);
         const Vec3 edge2 = difference(triangle.v2, triangle.v0);
         const Vec3 p = cross(direction_, edge2);

@@ -27,7 +27,12 @@
 #else
 #define CLBVH_BOX_TESTS_NAMESPACE inline_box_tests
 #define CLBVH_BOX_TESTS_API
+// Always: a copy out of line in code that is compiled for AVX2 could become the one that all other code calls.
+#if defined(__GNUC__)
+#define CLBVH_BOX_TESTS_INLINE inline __attribute__((always_inline))
+#else
 #define CLBVH_BOX_TESTS_INLINE inline
+#endif
 #endif
 
 namespace clbvh {
