@@ -11,6 +11,7 @@
 #include "io/input_file.hpp"
 #include "io/obj.hpp"
 #include "io/ply.hpp"
+#include "io/scene_generator.hpp"
 
 namespace clbvh {
 namespace {
@@ -37,16 +38,6 @@ std::uint64_t parse_number(std::string_view text, const std::string& what, std::
                                               (large ? "too large" : "not a whole number"));
 }
 
-Mesh generate_from(std::string_view scene) {
-    const std::vector<std::string_view> fields = split(scene.substr(kGeneratorPrefix.size()), ':');
-    if (fields.size() > 3) {
-        throw Error(ErrorCode::invalid_input, std::string(scene) + ": expected gen:NAME[:COUNT[:SEED]]");
-    }
-    const std::uint64_t count = fields.size() > 1 ? parse_number(fields[1], "count", scene) : kDefaultSceneTriangles;
-    const std::uint64_t seed = fields.size() > 2 ? parse_number(fields[2], "seed", scene) : 1;
-    return generate_scene(fields[0], count, seed);
-}
-
 Mesh load_file(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     for (char& c : extension) {
@@ -61,8 +52,36 @@ Mesh load_file(const std::filesystem::path& path) {
 
 }  // namespace
 
+bool is_generated_scene(std::string_view scene) noexcept {
+    return scene.starts_with(kGeneratorPrefix);
+}
+
+GeneratedScene parse_generated_scene(std::string_view scene) {
+    std::vector<std::string_view> fields = split(scene.substr(kGeneratorPrefix.size()), ':');
+    GeneratedScene generated{std::string(fields[0]), {}, {}};
+    const auto fail = [&](const std::string& why) {
+        throw Error(ErrorCode::invalid_input, std::string(scene) + ": " + why);
+    };
+    const std::string parameter = io::standard_parameter(fields[0]);
+    const bool takes_parameter = !parameter.empty();
+    if (takes_parameter) {
+        generated.name += ":" + (fields.size() > 1 ? std::string(fields[1]) : parameter);
+        if (fields.size() > 1) fields.erase(fields.begin() + 1);
+    }
+    if (fields.size() > 3) {
+        fail(takes_parameter ? "expected gen:NAME[:PARAMETER[:COUNT[:SEED]]]" : "expected gen:NAME[:COUNT[:SEED]]");
+    }
+    if (fields.size() > 1) generated.count = parse_number(fields[1], "count", scene);
+    if (fields.size() > 2) generated.seed = parse_number(fields[2], "seed", scene);
+    const std::string wrong = io::fault_of_scene(generated.name, generated.count.value_or(0));
+    if (!wrong.empty()) fail(wrong);
+    return generated;
+}
+
 Mesh load_scene(std::string_view scene) try {
-    return scene.starts_with(kGeneratorPrefix) ? generate_from(scene) : load_file(scene);
+    if (!is_generated_scene(scene)) return load_file(scene);
+    const GeneratedScene generated = parse_generated_scene(scene);
+    return generate_scene(generated.name, generated.count.value_or(kDefaultSceneTriangles), generated.seed.value_or(1));
 } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::out_of_memory, std::string(scene) + ": not enough memory for the scene");
 }

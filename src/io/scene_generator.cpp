@@ -1,59 +1,27 @@
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <new>
+#include <sstream>
 #include <string>
+#include <system_error>
 
 #include "clbvh/core/error.hpp"
 #include "clbvh/core/vector.hpp"
 #include "clbvh/io/scene.hpp"
-#include "core/random.hpp"
+#include "io/mesh_pieces.hpp"
+#include "io/scene_generator.hpp"
 #include "io/sphere.hpp"
+#include "io/wide_scenes.hpp"
 
 namespace clbvh {
 namespace {
 
-std::uint32_t push_vertex(Mesh& mesh, const Vec3& vertex) {
-    mesh.vertices.push_back(vertex);
-    return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
-}
-
-void push_triangle(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c) {
-    const std::uint32_t first = push_vertex(mesh, a);
-    push_vertex(mesh, b);
-    push_vertex(mesh, c);
-    mesh.triangles.push_back({first, first + 1, first + 2});
-}
-
-/// A triangle with its corners at random in a cube around `centre`.
-void push_random_triangle(Mesh& mesh, Random& random, const Vec3& centre, float half_size) {
-    const Vec3 a = centre + random.in_cube(-half_size, half_size);
-    const Vec3 b = centre + random.in_cube(-half_size, half_size);
-    const Vec3 c = centre + random.in_cube(-half_size, half_size);
-    push_triangle(mesh, a, b, c);
-}
-
-/// The least n > 0 with n * n >= value.
-std::uint32_t square_root_up(std::uint64_t value) {
-    std::uint64_t root = 1;
-    while (root * root < value)
-        ++root;
-    return static_cast<std::uint32_t>(root);
-}
-
-/// The least n > 0 with n * n * n >= value.
-std::uint32_t cube_root_up(std::uint64_t value) {
-    std::uint64_t root = 1;
-    while (root * root * root < value)
-        ++root;
-    return static_cast<std::uint32_t>(root);
-}
-
-/// Half the edge of a cube's share of the unit cube, where `count` of them fill it.
-float half_share(std::uint64_t count) {
-    return 0.5f / static_cast<float>(cube_root_up(count));
-}
+using namespace io;
 
 Mesh make_soup(std::uint64_t count, std::uint64_t seed) {
     Random random(seed);
@@ -141,25 +109,6 @@ Mesh make_terrain(std::uint64_t count, std::uint64_t seed) {
     return mesh;
 }
 
-/// Appends the two triangles of a parallelogram, as far as there is room below `count`.
-void push_quad(Mesh& mesh, std::uint64_t count, const Vec3& corner, const Vec3& along, const Vec3& across) {
-    const Vec3 opposite = corner + along + across;
-    if (mesh.triangles.size() < count) push_triangle(mesh, corner, corner + along, opposite);
-    if (mesh.triangles.size() < count) push_triangle(mesh, corner, opposite, corner + across);
-}
-
-/// The walls and the roof of a building whose least corner is `at`.
-void push_building(Mesh& mesh, std::uint64_t count, const Vec3& at, const Vec3& size) {
-    const Vec3 x{size.x, 0, 0};
-    const Vec3 y{0, size.y, 0};
-    const Vec3 z{0, 0, size.z};
-    push_quad(mesh, count, at, x, y);
-    push_quad(mesh, count, at + z, x, y);
-    push_quad(mesh, count, at, z, y);
-    push_quad(mesh, count, at + x, z, y);
-    push_quad(mesh, count, at + y, x, z);
-}
-
 /// Ground of two triangles under square blocks, a thousand triangles each: a building of ten, tiny ones around it.
 Mesh make_city(std::uint64_t count, std::uint64_t seed) {
     constexpr std::uint64_t kTrianglesPerBlock = 1000;
@@ -239,19 +188,42 @@ Mesh make_line(std::uint64_t count, std::uint64_t seed) {
 
 struct Generator {
     SceneGeneratorInfo info;
-    Mesh (*make)(std::uint64_t count, std::uint64_t seed) = nullptr;
+    Mesh (*make)(std::uint64_t count, std::uint64_t seed, double parameter) = nullptr;
 };
 
+/// A generator without a parameter.
+template <Mesh (*Make)(std::uint64_t, std::uint64_t)>
+Mesh plain(std::uint64_t count, std::uint64_t seed, double) {
+    return Make(count, seed);
+}
+
 constexpr std::array kGenerators{
-    Generator{{"soup", "small triangles, uniform in a cube"}, make_soup},
-    Generator{{"clustered", "small triangles in 100 clusters of very different size and crowd"}, make_clustered},
-    Generator{{"terrain", "a smooth heightfield of equal triangles"}, make_terrain},
-    Generator{{"city", "few huge triangles (ground, buildings) beside very many tiny ones"}, make_city},
-    Generator{{"hair", "long, thin, diagonal, overlapping triangles"}, make_hair},
-    Generator{{"particles", "many triangles with the same box: half of all, and groups of some 256"}, make_particles},
-    Generator{{"line", "triangles whose centroids are collinear"}, make_line},
+    Generator{{"soup", "small triangles, uniform in a cube"}, plain<make_soup>},
+    Generator{{"clustered", "small triangles in 100 clusters of very different size and crowd"}, plain<make_clustered>},
+    Generator{{"terrain", "a smooth heightfield of equal triangles"}, plain<make_terrain>},
+    Generator{{"city", "few huge triangles (ground, buildings) beside very many tiny ones"}, plain<make_city>},
+    Generator{{"hair", "long, thin, diagonal, overlapping triangles"}, plain<make_hair>},
+    Generator{{"particles", "many triangles with the same box: half of all, and groups of some 256"},
+              plain<make_particles>},
+    Generator{{"line", "triangles whose centroids are collinear"}, plain<make_line>},
     Generator{{"sphere", "a tessellated sphere, closed for even counts from 8; the seed has no effect"},
-              [](std::uint64_t count, std::uint64_t) { return io::make_sphere(count); }},
+              [](std::uint64_t count, std::uint64_t, double) { return make_sphere(count); }},
+    Generator{
+        {"outlier", "small triangles in a unit cube, and one far away", {"D", "its three coordinates", 1e6, 1e12, 10}},
+        make_outlier},
+    Generator{{"planes", "small triangles in a unit cube, on a ground and before walls 1000 times as large"},
+              plain<make_planes>},
+    Generator{{"sky", "small triangles in a unit cube, within a sphere 1000 times as large"}, plain<make_sky>},
+    Generator{{"two-objects",
+               "two unit cubes of small triangles, far from each other",
+               {"D", "their distance", 1e6, 1e12, 10}},
+              make_two_objects},
+    Generator{{"planet", "a globe in metres around the origin, and a town on it"}, plain<make_planet>},
+    Generator{{"mixed",
+               "cubes of small triangles in one corner, each a tenth of the one before",
+               {"K", "orders of magnitude", 6, 12, 0}},
+              make_mixed},
+    Generator{{"scanlike", "a ball with bumps of many sizes, of even triangles, as scans are"}, plain<make_scanlike>},
 };
 
 constexpr auto kInfos = [] {
@@ -260,29 +232,79 @@ constexpr auto kInfos = [] {
     return infos;
 }();
 
-const Generator& find_generator(std::string_view name) {
-    std::string known;
-    for (const Generator& generator : kGenerators) {
-        if (generator.info.name == name) return generator;
-        known += (known.empty() ? "" : ", ") + std::string(generator.info.name);
-    }
-    throw Error(ErrorCode::invalid_input, "unknown scene generator \"" + std::string(name) + "\"; there are: " + known);
+const Generator* find_generator(std::string_view name) noexcept {
+    const auto found = std::ranges::find(kGenerators, name, [](const Generator& g) { return g.info.name; });
+    return found == kGenerators.end() ? nullptr : &*found;
+}
+
+/// A generator, and the text behind the colon where there is one.
+struct NamedGenerator {
+    const Generator* generator;
+    std::string_view parameter;
+};
+
+NamedGenerator parse_name(std::string_view name) noexcept {
+    const std::size_t colon = std::min(name.find(':'), name.size());
+    return {find_generator(name.substr(0, colon)), name.substr(std::min(colon + 1, name.size()))};
+}
+
+/// No number in the parameter's range: NaN.
+double number_of(const SceneParameter& parameter, std::string_view text) noexcept {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_number = error == std::errc{} && end == text.data() + text.size();
+    const bool is_possible = is_number && value >= parameter.least && value <= parameter.most;
+    return is_possible ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string fault_of_parameter(const SceneGeneratorInfo& info, std::string_view text) {
+    const SceneParameter& parameter = info.parameter;
+    const std::string generator = "scene generator \"" + std::string(info.name) + "\"";
+    if (parameter.name.empty()) return generator + " has no parameter";
+    if (!std::isnan(number_of(parameter, text))) return {};
+    std::ostringstream fault;
+    fault << generator << ": " << parameter.name << ", " << parameter.description << ", is \"" << text
+          << "\", which is not " << parameter.least << " to " << parameter.most;
+    return fault.str();
 }
 
 }  // namespace
+
+std::string io::standard_parameter(std::string_view generator) {
+    const Generator* const found = find_generator(generator);
+    if (found == nullptr || found->info.parameter.name.empty()) return {};
+    std::ostringstream text;
+    text << found->info.parameter.standard;
+    return text.str();
+}
+
+std::string io::fault_of_scene(std::string_view name, std::uint64_t count) {
+    const auto [generator, parameter] = parse_name(name);
+    if (generator == nullptr) {
+        std::string known;
+        for (const SceneGeneratorInfo& info : kInfos)
+            known += (known.empty() ? "" : ", ") + std::string(info.name);
+        return "unknown scene generator \"" + std::string(name) + "\"; there are: " + known;
+    }
+    if (count > kMaxPrimitives) {
+        return "a scene of " + std::to_string(count) + " triangles is over the limit of " +
+               std::to_string(kMaxPrimitives);
+    }
+    return name.find(':') == std::string_view::npos ? std::string() : fault_of_parameter(generator->info, parameter);
+}
 
 std::span<const SceneGeneratorInfo> scene_generators() noexcept {
     return kInfos;
 }
 
 Mesh generate_scene(std::string_view name, std::uint64_t count, std::uint64_t seed) {
-    const Generator& generator = find_generator(name);
-    if (count > kMaxPrimitives) {
-        throw Error(ErrorCode::invalid_input, "a scene of " + std::to_string(count) +
-                                                  " triangles is over the limit of " + std::to_string(kMaxPrimitives));
-    }
+    const std::string fault = io::fault_of_scene(name, count);
+    if (!fault.empty()) throw Error(ErrorCode::invalid_input, fault);
+    const auto [generator, text] = parse_name(name);
+    const SceneParameter& parameter = generator->info.parameter;
+    const double value = text.empty() ? parameter.standard : number_of(parameter, text);
     try {
-        return generator.make(count, seed);
+        return generator->make(count, seed, value);
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory, "not enough memory for " + std::to_string(count) + " triangles");
     }

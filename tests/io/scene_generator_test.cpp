@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "clbvh/io/scene.hpp"
+#include "support/expect_error.hpp"
 
 using namespace clbvh;
+using clbvh::test::expect_error;
 
 namespace {
 
@@ -118,15 +120,31 @@ TEST_CASE("generated scenes depend on their seed and on nothing else") {
 
 TEST_CASE("generated scenes are the same on every platform") {
     const std::map<std::string_view, std::uint64_t> expected{
-        {"soup", 0xE38649D959E7696EU}, {"clustered", 0x60BA32E34E6D512AU}, {"terrain", 0xD263F75B5D8FCDBFU},
-        {"city", 0x1855A43B89D48891U}, {"hair", 0x0C03CD6ABC6ED112U},      {"particles", 0xCAF98FF2CA9D2385U},
-        {"line", 0x9F316B0B09230F95U}, {"sphere", 0x8AC83F43E4E4A901U},
+        {"soup", 0xE38649D959E7696EU},   {"clustered", 0x60BA32E34E6D512AU}, {"terrain", 0xD263F75B5D8FCDBFU},
+        {"city", 0x1855A43B89D48891U},   {"hair", 0x0C03CD6ABC6ED112U},      {"particles", 0xCAF98FF2CA9D2385U},
+        {"line", 0x9F316B0B09230F95U},   {"sphere", 0x8AC83F43E4E4A901U},    {"outlier", 0xE5A43F36C08C144FU},
+        {"planes", 0x5CCC13299F0A1DC4U}, {"sky", 0xA5804D540919CC80U},       {"two-objects", 0x89DC249743723B03U},
+        {"planet", 0xA291F354523736B7U}, {"mixed", 0x39276F3A77BB290BU},     {"scanlike", 0x0F0BB7DA85BC018BU},
     };
     CHECK(expected.size() == scene_generators().size());
     for (const auto& [name, hash] : expected) {
         INFO(name);
         CHECK(fingerprint(generate_scene(name, 5000, 1)) == hash);
     }
+}
+
+TEST_CASE("a parameter says how far or how deep a scene is, and is refused out of its range") {
+    const Mesh near = generate_scene("outlier:100", 50);
+    CHECK(near.vertices[near.triangles.back()[0]].x == 100.0f);
+    CHECK(same(generate_scene("outlier", 50), generate_scene("outlier:1e6", 50)));
+    CHECK_FALSE(same(generate_scene("mixed:2", 50), generate_scene("mixed:3", 50)));
+    for (const std::string name : {"outlier:", "outlier:far", "outlier:9", "outlier:1e13", "outlier:nan", "mixed:-1"}) {
+        const std::string value = name.substr(name.find(':') + 1);
+        expect_error(ErrorCode::invalid_input, {"\"" + value + "\""},
+                     [&] { static_cast<void>(generate_scene(name, 50)); });
+    }
+    expect_error(ErrorCode::invalid_input, {"\"soup\" has no parameter"},
+                 [] { static_cast<void>(generate_scene("soup:3", 50)); });
 }
 
 TEST_CASE("soup is uniform and its triangles are small") {

@@ -23,6 +23,8 @@ TEST_CASE("a generated scene is named with its count and seed") {
     CHECK(load_scene("gen:hair:123").vertices == generate_scene("hair", 123).vertices);
     CHECK(load_scene("gen:hair:123:7").vertices == generate_scene("hair", 123, 7).vertices);
     CHECK(load_scene("gen:line:0").triangles.empty());
+    CHECK(load_scene("gen:outlier:1e3:123:7").vertices == generate_scene("outlier:1e3", 123, 7).vertices);
+    CHECK(load_scene("gen:mixed").triangles.size() == kDefaultSceneTriangles);
 }
 
 TEST_CASE("malformed names of generated scenes are refused") {
@@ -35,6 +37,8 @@ TEST_CASE("malformed names of generated scenes are refused") {
     expect_scene_error(code, "gen:soup:1e3", {"count \"1e3\" is not a whole number"});
     expect_scene_error(code, "gen:soup:10:x", {"seed \"x\" is not a whole number"});
     expect_scene_error(code, "gen:soup:1:2:3", {"expected gen:NAME[:COUNT[:SEED]]"});
+    expect_scene_error(code, "gen:outlier:1e3:10:1:2", {"expected gen:NAME[:PARAMETER[:COUNT[:SEED]]]"});
+    expect_scene_error(code, "gen:outlier:5:10", {"gen:outlier:5:10", "D", "\"5\"", "10 to 1e+12"});
     expect_scene_error(code, "gen:soup:1073741824", {"1073741824", "over the limit of 1073741823"});
     expect_scene_error(code, "gen:soup:18446744073709551616", {"count", "too large"});
 }

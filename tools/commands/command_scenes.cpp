@@ -19,12 +19,27 @@ int print_scenes(const JsonOutput& json) {
     Table table({"scene", "description"}, Table::Align::left);
     nlohmann::ordered_json entries = nlohmann::ordered_json::array();
     for (const SceneGeneratorInfo& generator : scene_generators()) {
-        table.add_row({fmt::format("gen:{}", generator.name), std::string(generator.description)});
-        entries.push_back({{"name", generator.name}, {"description", generator.description}});
+        const SceneParameter& parameter = generator.parameter;
+        nlohmann::ordered_json entry{{"name", generator.name}, {"description", generator.description}};
+        if (parameter.name.empty()) {
+            table.add_row({fmt::format("gen:{}", generator.name), std::string(generator.description)});
+        } else {
+            table.add_row({fmt::format("gen:{}[:{}]", generator.name, parameter.name),
+                           fmt::format("{}; {}: {}, {} to {} ({} unless told)", generator.description, parameter.name,
+                                       parameter.description, parameter.least, parameter.most, parameter.standard)});
+            entry["parameter"] = {{"name", parameter.name},
+                                  {"description", parameter.description},
+                                  {"least", parameter.least},
+                                  {"most", parameter.most},
+                                  {"default", parameter.standard}};
+        }
+        entries.push_back(entry);
     }
     if (json.leaves_standard_output()) {
         fmt::print(
-            "{}\nWritten gen:NAME[:COUNT[:SEED]]; COUNT is {} unless told. A path to a mesh file is a scene too.\n",
+            "{}\nWritten gen:NAME[:COUNT[:SEED]], or gen:NAME:PARAMETER[:COUNT[:SEED]]; COUNT is {} unless told. A "
+            "path to a mesh "
+            "file is a scene too.\n",
             table.text(), kDefaultSceneTriangles);
     }
     json.write({{"scenes", entries}, {"default_triangles", kDefaultSceneTriangles}});

@@ -13,7 +13,6 @@ namespace clbvh::tool {
 namespace {
 
 constexpr std::uint32_t kSmallestSize = 10000;
-constexpr std::string_view kGenerated = "gen:";
 
 const std::vector<Sweep>& sweeps() {
     static const std::vector<Sweep> list{
@@ -35,22 +34,6 @@ std::string readers_text(const Sweep& sweep) {
         if (is_read(sweep, builder.id)) ids.push_back(builder.id);
     }
     return fmt::format("{}", fmt::join(ids, ", "));
-}
-
-/// The fields behind "gen:": the name, the count, the seed.
-std::vector<std::string> fields_of(const std::string& scene) {
-    std::vector<std::string> fields;
-    for (std::size_t begin = kGenerated.size(); begin <= scene.size();) {
-        const std::size_t end = std::min(scene.find(':', begin), scene.size());
-        fields.push_back(scene.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return fields;
-}
-
-std::uint32_t count_of(const std::string& scene) {
-    const std::vector<std::string> fields = fields_of(scene);
-    return static_cast<std::uint32_t>(fields.size() > 1 ? std::stoul(fields[1]) : kDefaultSceneTriangles);
 }
 
 }  // namespace
@@ -96,11 +79,12 @@ std::vector<std::uint32_t> sweep_sizes(std::uint32_t largest) {
 }
 
 std::vector<std::uint32_t> sweep_sizes(const std::string& scene, std::uint32_t largest) {
-    if (!scene.starts_with(kGenerated)) {
+    if (!is_generated_scene(scene)) {
         throw Error(ErrorCode::invalid_input,
                     scene + " has one size; --sweep size takes generated scenes, as gen:NAME:COUNT (see clbvh scenes)");
     }
-    const std::uint32_t last = largest > 0 ? largest : count_of(scene);
+    const auto own = static_cast<std::uint32_t>(parse_generated_scene(scene).count.value_or(kDefaultSceneTriangles));
+    const std::uint32_t last = largest > 0 ? largest : own;
     if (last < kSmallestSize) {
         throw Error(ErrorCode::invalid_input,
                     fmt::format("{}: sizes begin at {}, and {} is below it; give more triangles, or --sweep-to", scene,
@@ -110,9 +94,9 @@ std::vector<std::uint32_t> sweep_sizes(const std::string& scene, std::uint32_t l
 }
 
 std::string with_count(const std::string& scene, std::uint32_t count) {
-    const std::vector<std::string> fields = fields_of(scene);
-    const std::string seed = fields.size() > 2 ? ":" + fields[2] : "";
-    return fmt::format("{}{}:{}{}", kGenerated, fields[0], count, seed);
+    const GeneratedScene generated = parse_generated_scene(scene);
+    const std::string seed = generated.seed ? fmt::format(":{}", *generated.seed) : "";
+    return fmt::format("gen:{}:{}{}", generated.name, count, seed);
 }
 
 }  // namespace clbvh::tool

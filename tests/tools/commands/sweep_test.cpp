@@ -52,6 +52,8 @@ TEST_CASE("sizes grow by half powers of ten up to the largest") {
     CHECK(sweep_sizes("gen:soup", 0) == Values{10000, 31623, 100000});
     CHECK(sweep_sizes("gen:soup:40000", 20000) == Values{10000, 20000});
     CHECK(with_count("gen:soup", 5) == "gen:soup:5");
+    CHECK(with_count("gen:outlier:1e3:40000:7", 5) == "gen:outlier:1e3:5:7");
+    CHECK(with_count("gen:mixed", 5) == "gen:mixed:6:5");
     CHECK(with_count("gen:soup:40000", 5) == "gen:soup:5");
     CHECK(with_count("gen:soup:40000:7", 5) == "gen:soup:5:7");
 }
