@@ -18,7 +18,7 @@
 #include "input.clh"
 #include "scene_bounds.clh"
 #include "morton.clh"
-#include "morton_xyz.clh"
+#include "morton_grid.clh"
 #include "packed_key.clh"
 #include "small_sort.clh"
 #include "cluster.clh"
@@ -34,6 +34,9 @@
 // The code bits that sort a tree of `count` primitives where there may be `most`: as BuildSettings::key_layout has it.
 #ifndef MOST_CODE_BITS
 #define MOST_CODE_BITS 44
+#endif
+#ifndef CUBIC_CELLS
+#define CUBIC_CELLS 1
 #endif
 
 static inline uint index_bits_of(uint count) {
@@ -54,10 +57,10 @@ static inline Input input_from(Input input, uint form, size_t first, size_t firs
 
 static inline void make_keys(global const float* boxes, global const float* bounds, uint count, uint index_bits,
                              uint code_bits, global ulong* keys) {
-    XyzGrid grid;
-    load_grid(bounds, &grid);
+    MortonGrid grid;
+    make_grid(load_box(bounds + BOX_FLOATS), CUBIC_CELLS, &grid);
     FOR_WORK_ITEMS(i, 0, count) {
-        keys[i] = pack_key(xyz_code(grid, boxes + BOX_FLOATS * i), i, index_bits, code_bits);
+        keys[i] = pack_key(code_of_record(grid, boxes + BOX_FLOATS * i), i, index_bits, code_bits);
     }
 }
 

@@ -24,6 +24,11 @@ enum {
     // Extended codes: a table of 256 entries for each byte of each of four dimensions, and what quantises these.
     MORTON_TABLE_ULONGS = 4 * 4 * 256,
     MORTON_PARAMETERS = 16,
+    // Runs of more equal codes than this are coded again (recode.cl), in so many rounds, each with so many words of
+    // state.
+    LONGEST_RUN = 32,
+    RECODE_ROUNDS = 2,
+    RECODE_STATE_WORDS = 4,
 };
 
 #ifdef __cplusplus

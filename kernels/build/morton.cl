@@ -1,10 +1,10 @@
 // 64-bit Morton codes of the primitives' centroids; 63 bits are used, or the leading ones of them.
 //
-// morton_xyz, morton_extended    codes for pairs of 32-bit keys with a value
+// morton_grid, morton_extended   codes for pairs of 32-bit keys with a value
 //   in     boxes [n * 6], bounds [12] as bounds.cl leaves them
 //   out    pairs [n]: primitive << 32 | low half of the code; code_low, code_high [n]; inactive primitives get all ones
 //   launch groups of WORK_GROUP_SIZE, each on piece_length primitives
-// packed_xyz, packed_extended    code and primitive in one key, and how many keys have which first digit
+// packed_grid, packed_extended   code and primitive in one key, and how many keys have which first digit
 //   out    keys [n]: leading code_bits of the code << index_bits | primitive; the largest code is that of inactive
 //          primitives alone; counts [RADIX * groups] of the digit at index_bits, digit-major
 //   launch as the sort's kernels: one group a piece of the sort
@@ -14,7 +14,7 @@
 #include "lanes.clh"
 #include "aabb.clh"
 #include "morton.clh"
-#include "morton_xyz.clh"
+#include "morton_grid.clh"
 #include "morton_extended.clh"
 #include "packed_key.clh"
 #include "radix_digits.clh"
@@ -42,11 +42,12 @@ static inline void prefetch_boxes(global const float* boxes, size_t i) {
 
 #define BOX_RECORD(k) vload8(0, boxes + BOX_FLOATS * (i + (k)))
 
-static inline void store_16_pairs(XyzGrid grid, global const float* boxes, size_t i, global ulong* pairs,
+static inline void store_16_pairs(MortonGrid grid, global const float* boxes, size_t i, global ulong* pairs,
                                   global uint* code_low, global uint* code_high) {
-    QUANTISE_16_BOXES(grid, BOX_RECORD)
-    const uint16 low = inactive ? (uint16)((uint)INACTIVE_CODE) : MORTON_LOW(x, y, z);
-    const uint16 high = inactive ? (uint16)((uint)INACTIVE_CODE) : MORTON_HIGH(x, y, z);
+    CODES_OF_16_BOXES(grid, BOX_RECORD)
+    const uint16 low =
+        inactive ? (uint16)((uint)INACTIVE_CODE) : convert_uint16(code << (ulong)grid.unused & 0xfffffffful);
+    const uint16 high = inactive ? (uint16)((uint)INACTIVE_CODE) : convert_uint16(code << (ulong)grid.unused >> 32ul);
     vstore16(low, 0, code_low + i);
     vstore16(high, 0, code_high + i);
     vstore16(convert_ulong16((uint)i + LANES) << 32 | convert_ulong16(low), 0, pairs + i);
@@ -57,11 +58,11 @@ static inline void store_16_pairs(XyzGrid grid, global const float* boxes, size_
     const size_t begin = get_group_id(0) * (size_t)piece_length; \
     const size_t end = min(begin + piece_length, (size_t)primitive_count);
 
-KERNEL void morton_xyz(global const float* boxes, global const float* bounds, uint primitive_count, uint piece_length,
-                       global ulong* pairs, global uint* code_low, global uint* code_high) {
+KERNEL void morton_grid(global const float* boxes, global const float* bounds, uint is_cubic, uint primitive_count,
+                        uint piece_length, global ulong* pairs, global uint* code_low, global uint* code_high) {
     PIECE_OF_PRIMITIVES
-    XyzGrid grid;
-    load_grid(bounds, &grid);
+    MortonGrid grid;
+    make_grid(load_box(bounds + BOX_FLOATS), is_cubic, &grid);
     size_t first = begin;
 #if LANE_SHAPE
     // A record is loaded as eight words: the last box has no two more behind it.
@@ -71,7 +72,7 @@ KERNEL void morton_xyz(global const float* boxes, global const float* bounds, ui
     }
 #endif
     FOR_WORK_ITEMS(i, first, end) {
-        store_pair(pairs, code_low, code_high, i, xyz_code(grid, boxes + BOX_FLOATS * i));
+        store_pair(pairs, code_low, code_high, i, code_of_record(grid, boxes + BOX_FLOATS * i));
     }
 }
 
@@ -85,22 +86,24 @@ KERNEL void morton_extended(global const float* boxes, global const ulong* table
 }
 
 #if LANE_SHAPE
-static inline ulong16 pack_16_keys(XyzGrid grid, global const float* boxes, size_t i, uint index_bits, uint code_bits) {
-    QUANTISE_16_BOXES(grid, BOX_RECORD)
-    const ulong16 code = convert_ulong16(MORTON_HIGH(x, y, z)) << 32 | convert_ulong16(MORTON_LOW(x, y, z));
+static inline ulong16 pack_16_keys(MortonGrid grid, global const float* boxes, size_t i, uint index_bits,
+                                   uint code_bits) {
+    CODES_OF_16_BOXES(grid, BOX_RECORD)
     const ulong16 largest = largest_code(code_bits);
+    const uint dropped = CODE_BITS - code_bits;
     const ulong16 leading =
-        convert_long16(inactive) ? largest : min(code >> (ulong)(CODE_BITS - code_bits), largest - 1);
-    return leading << (ulong)index_bits | convert_ulong16((uint)i + LANES);
+        dropped >= grid.unused ? code >> (ulong)(dropped - grid.unused) : code << (ulong)(grid.unused - dropped);
+    const ulong16 key = convert_long16(inactive) ? largest : min(leading, largest - 1);
+    return key << (ulong)index_bits | convert_ulong16((uint)i + LANES);
 }
 #endif
 
-KERNEL void packed_xyz(global const float* boxes, global const float* bounds, uint primitive_count, uint piece_length,
-                       uint index_bits, uint code_bits, global ulong* keys, global uint* counts) {
+KERNEL void packed_grid(global const float* boxes, global const float* bounds, uint is_cubic, uint primitive_count,
+                        uint piece_length, uint index_bits, uint code_bits, global ulong* keys, global uint* counts) {
     DIGIT_COUNTERS(counters)
     PIECE_OF_PRIMITIVES
-    XyzGrid grid;
-    load_grid(bounds, &grid);
+    MortonGrid grid;
+    make_grid(load_box(bounds + BOX_FLOATS), is_cubic, &grid);
     size_t first = begin;
     clear_counters(counters);
 #if LANE_SHAPE
@@ -114,7 +117,7 @@ KERNEL void packed_xyz(global const float* boxes, global const float* bounds, ui
     }
 #endif
     FOR_WORK_ITEMS(i, first, end) {
-        const ulong key = pack_key(xyz_code(grid, boxes + BOX_FLOATS * i), i, index_bits, code_bits);
+        const ulong key = pack_key(code_of_record(grid, boxes + BOX_FLOATS * i), i, index_bits, code_bits);
         COUNT_DIGIT(counters, DIGIT(key, index_bits, RADIX - 1));
         keys[i] = key;
     }

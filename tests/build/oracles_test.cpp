@@ -114,6 +114,19 @@ TEST_CASE("Morton oracle: corners of a grid are ordered x before y before z") {
           std::vector<std::uint64_t>{0, z, z << 1, z << 1 | z, z << 2, z << 2 | z << 1 | z});
 }
 
+TEST_CASE("Morton oracle: each bit of the cubic code halves the axis that is longest by then") {
+    // Extents 8, 2 and 1: x three times, since the first of equal axes goes first; then y, and all in turn.
+    const std::vector<Aabb> corners{unit_box_at(0, 0, 0), unit_box_at(8, 0, 0), unit_box_at(0, 2, 0),
+                                    unit_box_at(0, 0, 1)};
+    const auto codes = morton_codes(corners, MortonCode::cubic);
+    const std::string order = "xxxyxyzxyzxyz";
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        INFO("bit " << k);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            CHECK((codes[1 + axis] >> (62 - k) & 1) == (order[k] == "xyz"[axis] ? 1u : 0u));
+    }
+}
+
 TEST_CASE("Morton oracle: the extended code spends its bits on the longest axis, and each seventh on size") {
     // Along x alone: 31 bits of x, then the other axes' zeros; equal sizes, of a ninth of the scene's diagonal or so.
     const std::vector<Aabb> line{unit_box_at(0, 0, 0), unit_box_at(1, 0, 0), unit_box_at(7, 0, 0),
@@ -137,7 +150,7 @@ TEST_CASE("Morton oracle: the extended code spends its bits on the longest axis,
 TEST_CASE("oracle trees are valid and numbered without gaps, for every algorithm and small size") {
     for (std::size_t count = 0; count <= 40; ++count) {
         const Mesh mesh = random_triangles(count);
-        for (const MortonCode code : {MortonCode::xyz, MortonCode::extended}) {
+        for (const MortonCode code : {MortonCode::cubic, MortonCode::xyz, MortonCode::extended}) {
             const MortonOrder order = morton_order(mesh, code);
             for (const Comparison comparison : {Comparison::exact, Comparison::packed}) {
                 for (const std::uint32_t radius : {1u, 3u, 32u}) {

@@ -56,7 +56,7 @@ const std::map<std::string, Limits, std::less<>>& limits() {
         {"sbvh.reference_budget", {{"1", "8"}, {"0.5", "8.5", "inf", "nan"}, "1 to 8"}},
         {"device.shape", shape},
         {"device.sort_shape", shape},
-        {"device.morton_code", {{"xyz", "extended"}, {"zyx"}, "xyz or extended"}},
+        {"device.morton_code", {{"cubic", "xyz", "extended"}, {"zyx"}, "cubic, xyz or extended"}},
         {"device.code_bits", {{"33", "44", "63"}, {"0", "1", "32", "43", "64"}, "33, 44 or 63"}},
         {"ploc.search_radius", {{"1", "2", "31", "32"}, {"0", "33", "4294967295"}, "1 to 32"}},
         {"ploc.neighbour_encoding", {{"bits32", "bits64"}, {"bits", "64", "auto"}, "bits32 or bits64"}},
@@ -277,8 +277,8 @@ TEST_CASE("options: numbers that are none are rejected where they stand in a str
 TEST_CASE("options: values that are no enumerators are rejected") {
     expect_message("device.shape is 3; it must be auto, group or lane",
                    [](BuildOptions& o) { o.device.shape = static_cast<Shape>(3); });
-    expect_message("device.morton_code is 2;",
-                   [](BuildOptions& o) { o.device.morton_code = static_cast<MortonCode>(2); });
+    expect_message("device.morton_code is 3;",
+                   [](BuildOptions& o) { o.device.morton_code = static_cast<MortonCode>(3); });
     expect_message("ploc.neighbour_encoding is 9;",
                    [](BuildOptions& o) { o.ploc.neighbour_encoding = static_cast<NeighbourEncoding>(9); });
     expect_message("ploc.neighbour_search is 255;",

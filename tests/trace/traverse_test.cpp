@@ -112,7 +112,7 @@ TEST_CASE("a traversal ends where its caller says so, and counts what it visited
 }
 
 TEST_CASE("no leaf of no tree is visited") {
-    traverse({}, {{0, 0, 0}, 0.0f, {1, 0, 0}}, [](std::uint32_t, std::uint32_t, float&) {
+    traverse(std::span<const Node>{}, {{0, 0, 0}, 0.0f, {1, 0, 0}}, [](std::uint32_t, std::uint32_t, float&) {
         FAIL("visited");
         return true;
     });

@@ -13,11 +13,14 @@ namespace clbvh {
 /// Gu, He, Fatahalian, Blelloch 2013, "Efficient BVH construction via approximate agglomerative clustering". O(n) time
 /// for `epsilon` above 0; depth at most n - 1.
 struct AacConfig {
-    std::uint32_t delta = 20;         ///< Fewer primitives than this are clustered without a look at the code, 2 to 64.
-    float epsilon = 0.1f;             ///< n primitives are reduced to delta^(0.5 + epsilon) / 2 * n^(0.5 - epsilon)
-                                      ///< clusters before they meet others, 0 to 0.5.
-    float inner_cost = 1.2f;          ///< Cost of visiting a node, above 0; for flattening.
-    float primitive_cost = 1.0f;      ///< Cost of testing one primitive, above 0; for flattening.
+    std::uint32_t delta = 20;     ///< Fewer primitives than this are clustered without a look at the code, 2 to 64.
+    float epsilon = 0.1f;         ///< n primitives are reduced to delta^(0.5 + epsilon) / 2 * n^(0.5 - epsilon)
+                                  ///< clusters before they meet others, 0 to 0.5.
+    float inner_cost = 1.2f;      ///< Cost of visiting a node, above 0; for flattening.
+    float primitive_cost = 1.0f;  ///< Cost of testing one primitive, above 0; for flattening.
+    bool cubic_cells = true;      ///< Cells of the code are as cubic as can be, and where more than a few primitives
+                                  ///< share one they get codes within their own bounds; else cells are stretched as
+                                  ///< the scene is, as the paper has it.
     std::uint32_t max_leaf_size = 8;  ///< Largest leaf, in primitives, 1 to 64. 1: no subtree is flattened.
 
     /// The paper's AAC-HQ: for quality.

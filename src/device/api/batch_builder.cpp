@@ -38,7 +38,7 @@ device::BuildSettings resolve_batch_settings(const BuildOptions& options, Sessio
     const BuilderRow& plocpp = find_builder_row("plocpp");
     const device::BuildSettings settings =
         device::resolve_settings(*plocpp.device_algorithm, device_configs_for(plocpp.info.id, options), session);
-    if (options.device.morton_code != MortonCode::xyz || !settings.packed_keys()) {
+    if (options.device.morton_code == MortonCode::extended || !settings.packed_keys()) {
         throw Error(ErrorCode::unsupported,
                     "batches are sorted by 3D Morton codes of 33 or 44 bits; leave morton_code and code_bits alone");
     }

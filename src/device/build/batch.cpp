@@ -40,7 +40,8 @@ BatchPlan plan_batch(std::uint64_t primitives, std::uint64_t trees) {
 
 ProgramSpec batch_program(const BuildSettings& settings) {
     return {"batch.cl", settings.lane() ? 1 : std::min(kLargestBatchGroup, settings.cluster_group_size),
-            settings.search_defines() + " -D MOST_CODE_BITS=" + std::to_string(settings.configs.device.code_bits)};
+            settings.search_defines() + " -D MOST_CODE_BITS=" + std::to_string(settings.configs.device.code_bits) +
+                " -D CUBIC_CELLS=" + (settings.configs.device.morton_code == MortonCode::cubic ? "1" : "0")};
 }
 
 void launch_batch(Launcher& launcher, const BuildSettings& settings, const BatchPlan& plan, const BatchJob& job) {

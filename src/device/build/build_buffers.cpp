@@ -47,6 +47,10 @@ void cut_small(BuildBuffers& b, ArrayLayout& layout, const MemoryPlan& plan) {
     b.counts = layout.take_view(kWordBytes * std::max<std::uint64_t>(plan.sort_counts, kMostPieces));
     b.morton_tables = layout.take_view(kTableBytes);
     b.morton_parameters = layout.take_view(kParameterBytes);
+    if (plan.recodes) {
+        b.recode_state = layout.take_view(kWordBytes * kernels::RECODE_ROUNDS * kernels::RECODE_STATE_WORDS);
+        b.recode_runs = layout.take_view(kWordBytes * 2 * (plan.primitives / (kernels::LONGEST_RUN + 1) + 1));
+    }
     b.root_reference = layout.take_view(kWordBytes);
     b.leaf_count = plan.groups_primitives ? layout.take_view(kWordBytes) : b.primitive_count;
     b.cluster_counts = layout.take_view(kWordBytes * BuildBuffers::kCountsKept);
@@ -79,6 +83,7 @@ MemoryPlan plan_memory(const BuildSettings& settings, BoxOrder box_order, std::u
     plan.box_order = box_order;
     plan.primitives = n;
     plan.packed_keys = settings.packed_keys();
+    plan.recodes = settings.recodes();
     plan.groups_primitives = settings.groups_primitives();
     plan.sort_counts = std::uint64_t{settings.most_sort_pieces} << settings.sort_digit_bits();
     plan.nodes = kNodeBytes * n;

@@ -34,6 +34,7 @@ struct MemoryPlan {
     BoxOrder box_order = BoxOrder::morton;
     std::uint64_t primitives = 0;
     bool packed_keys = true;
+    bool recodes = false;
     bool groups_primitives = false;                                             ///< leaves may have several primitives
     std::uint64_t sort_counts = 0;                                              ///< digits times pieces of the sort
     std::uint64_t nodes = 0, primitive_ids = 0;                                 ///< the result
@@ -82,6 +83,8 @@ struct BuildBuffers {
     cl::Buffer counts;                      ///< uint [digits * pieces of the sort, at least kMostPieces]
     cl::Buffer morton_tables;               ///< ulong [MORTON_TABLE_ULONGS]
     cl::Buffer morton_parameters;           ///< float [MORTON_PARAMETERS]
+    cl::Buffer recode_state;                ///< uint [RECODE_ROUNDS * RECODE_STATE_WORDS], where codes are again coded
+    cl::Buffer recode_runs;                 ///< uint [2 * (n / (LONGEST_RUN + 1) + 1)], likewise
     cl::Buffer primitive_count;             ///< uint: active primitives
     cl::Buffer leaf_count;      ///< uint: leaves of the tree; primitive_count itself unless they are grouped
     cl::Buffer root_reference;  ///< uint

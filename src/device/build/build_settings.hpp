@@ -41,6 +41,10 @@ struct BuildSettings : DeviceFit {
     }
     /// True where code and index are sorted as one 64-bit key, false for pairs of 32-bit keys with a value.
     [[nodiscard]] bool packed_keys() const noexcept { return configs.device.code_bits < 63; }
+    /// True where runs of equal codes are coded again.
+    [[nodiscard]] bool recodes() const noexcept {
+        return packed_keys() && configs.device.morton_code == MortonCode::cubic;
+    }
     [[nodiscard]] KeyLayout key_layout(std::uint32_t primitives) const;
     /// True where leaves may have several primitives.
     [[nodiscard]] bool groups_primitives() const noexcept { return configs.hploc.leaf_size > 1; }

@@ -5,16 +5,17 @@
 namespace clbvh::device {
 namespace {
 
-// Launches `name`_xyz or `name`_extended, whose output is `arguments`.
+// Launches `name`_grid or `name`_extended, whose output is `arguments`.
 template <typename... Arguments>
 void launch_codes(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& b, const std::string& name,
                   const Pieces& pieces, std::uint32_t primitive_count, const Arguments&... arguments) {
     const auto kernel = [&](std::string_view kernel_name) -> Kernel& {
         return launcher.session().kernel(morton_program(settings), kernel_name);
     };
-    if (settings.configs.device.morton_code == MortonCode::xyz) {
-        launcher.launch(kernel(name + "_xyz"), pieces.count, b.boxes, b.bounds, primitive_count, pieces.length,
-                        arguments...);
+    if (settings.configs.device.morton_code != MortonCode::extended) {
+        const auto is_cubic = static_cast<cl_uint>(settings.configs.device.morton_code == MortonCode::cubic);
+        launcher.launch(kernel(name + "_grid"), pieces.count, b.boxes, b.bounds, is_cubic, primitive_count,
+                        pieces.length, arguments...);
         return;
     }
     launcher.launch(kernel("morton_tables"), 1, b.bounds, b.morton_tables, b.morton_parameters);

@@ -7,6 +7,7 @@
 #include "device/build/leaves.hpp"
 #include "device/build/morton.hpp"
 #include "device/build/radix_sort.hpp"
+#include "device/build/recode.hpp"
 #include "device/build/root.hpp"
 #include "device/opencl/lane_shape_check.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 void prepare_programs(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings) {
     std::vector<ProgramSpec> stages{bounds_program(settings), morton_program(settings), radix_sort_program(settings),
                                     root_program(settings)};
+    if (session.joins_programs() || settings.recodes()) stages.push_back(recode_program(settings));
     // Where the stages' files are one program, it is the same for all builders: drivers that cache it know its text.
     if (session.joins_programs() || algorithm.box_order == BoxOrder::morton) {
         stages.push_back(leaves_program(settings));
@@ -35,6 +37,7 @@ void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const B
     launch_morton(launcher, settings, buffers, mesh.primitive_count);
     launcher.begin_stage("sort", 0.1);
     launch_radix_sort(launcher, settings, buffers, mesh.primitive_count);
+    if (settings.recodes()) launch_recode(launcher, settings, buffers, mesh.primitive_count);
     launcher.begin_stage("cluster", 0.3);
     if (algorithm.box_order == BoxOrder::morton) {
         launch_leaves(launcher, settings, buffers, mesh.active_count);

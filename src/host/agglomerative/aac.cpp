@@ -15,6 +15,7 @@
 #include "core/check_field.hpp"
 #include "core/simd/prefetch.hpp"
 #include "host/agglomerative/morton.hpp"
+#include "host/agglomerative/refine_codes.hpp"
 #include "host/build/radix_sort.hpp"
 
 namespace clbvh::host::aac {
@@ -65,17 +66,17 @@ private:
     std::vector<Stack> stacks_;
 };
 
-template <typename Code>
 class AacBuilder {
 public:
     AacBuilder(HostBuild& build, const AacConfig& config, const Variant& variant)
         : build_(build),
           count_(static_cast<std::uint32_t>(build.references.size())),
           bits_(morton_bits(count_)),
+          cubic_cells_(config.cubic_cells),
           task_size_(std::max(kTask, config.delta)),
           reduction_(variant.reduction),
           small_reductions_(variant.reduction, task_size_),
-          clusterer_(clusterer<Code>(variant.instruction_set)),
+          clusterer_(clusterer(variant.instruction_set)),
           stacks_(build.scratch),
           nodes_(build.scratch.take<Node>(2 * std::size_t{count_})),
           extents_(build.scratch.take<Extent>(count_)),
@@ -90,10 +91,11 @@ public:
 
     void run() {
         build_.stages.begin("morton", 0.05, 0.10);
-        const KeyedValues<Code> codes = take_codes();
+        const KeyedValues<std::uint64_t> codes = take_codes();
         compute_codes(codes);
         build_.stages.begin("sort", 0.10, 0.25);
-        const KeyedValues<Code> sorted = radix_sort(codes, take_codes(), 3 * bits_, build_.scratch);
+        const KeyedValues<std::uint64_t> sorted = radix_sort(codes, take_codes(), 3 * bits_, build_.scratch);
+        if (cubic_cells_) refine_codes(sorted, build_.references);
         problem_.codes = sorted.keys.data();
         problem_.ids = sorted.values.data();
         build_.stages.begin("cluster", 0.25, 0.95, count_);
@@ -103,18 +105,19 @@ public:
     }
 
 private:
-    KeyedValues<Code> take_codes() {
-        return {build_.scratch.template take<Code>(count_), build_.scratch.template take<std::uint32_t>(count_)};
+    KeyedValues<std::uint64_t> take_codes() {
+        return {build_.scratch.take<std::uint64_t>(count_), build_.scratch.take<std::uint32_t>(count_)};
     }
 
-    void compute_codes(const KeyedValues<Code>& codes) const {
+    void compute_codes(const KeyedValues<std::uint64_t>& codes) const {
         const tbb::blocked_range<std::size_t> all(0, count_, kChunk);
         const std::span<const Reference> references = build_.references;
-        const MortonGrid grid(build_.bounds.centroids, bits_);
+        const MortonGrid grid = cubic_cells_ ? MortonGrid::cubic(build_.bounds.centroids, 3 * bits_)
+                                             : MortonGrid::stretched(build_.bounds.centroids, bits_);
         tbb::parallel_for(all, [&](const auto& range) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 prefetch(references.data() + i + kPrefetch);
-                codes.keys[i] = grid.template code_of<Code>(references[i]);
+                codes.keys[i] = grid.code_of(references[i]);
                 codes.values[i] = static_cast<std::uint32_t>(i);
             }
         });
@@ -175,14 +178,15 @@ private:
     HostBuild& build_;
     std::uint32_t count_;
     std::uint32_t bits_;
+    bool cubic_cells_;
     std::uint32_t task_size_;
     Reduction reduction_;
     ReductionTable small_reductions_;
-    Clusterer<Code> clusterer_;
+    Clusterer clusterer_;
     Stacks stacks_;
     std::span<Node> nodes_;
     std::span<Extent> extents_;
-    Problem<Code> problem_;
+    Problem problem_;
 };
 
 constexpr std::uint32_t kLeastDelta = 2;
@@ -199,11 +203,7 @@ void check(const AacConfig& config) {
 }  // namespace
 
 void build(HostBuild& build, const AacConfig& config, const Variant& variant) {
-    if (3 * morton_bits(build.references.size()) <= 32) {
-        AacBuilder<std::uint32_t>(build, config, variant).run();
-    } else {
-        AacBuilder<std::uint64_t>(build, config, variant).run();
-    }
+    AacBuilder(build, config, variant).run();
 }
 
 }  // namespace clbvh::host::aac

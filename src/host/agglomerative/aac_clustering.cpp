@@ -17,16 +17,12 @@ namespace {
 
 }  // namespace
 
-template <typename Code>
-Clusterer<Code> clusterer(simd::InstructionSet set) noexcept {
+Clusterer clusterer(simd::InstructionSet set) noexcept {
 #if defined(CLBVH_HAS_AVX2)
-    if (set == simd::InstructionSet::avx2) return clusterer_avx2<Code>();
+    if (set == simd::InstructionSet::avx2) return clusterer_avx2();
 #endif
-    if (set == simd::InstructionSet::scalar) return clusterer_of<simd::scalar::Set, void, Code>();
-    return clusterer_of<simd::baseline::Set, void, Code>();
+    if (set == simd::InstructionSet::scalar) return clusterer_of<simd::scalar::Set, void>();
+    return clusterer_of<simd::baseline::Set, void>();
 }
-
-template Clusterer<std::uint32_t> clusterer(simd::InstructionSet) noexcept;
-template Clusterer<std::uint64_t> clusterer(simd::InstructionSet) noexcept;
 
 }  // namespace clbvh::host::aac

@@ -38,14 +38,14 @@ struct Box {
 };
 
 /// `SmallSet` is a class as that of aac_small_set.ipp, or void.
-template <typename Set, typename SmallSet, typename Code>
+template <typename Set, typename SmallSet>
 class Clustering {
     using Floats = typename Set::Widest;
     using Mask = typename Floats::Mask;
 
 public:
     /// Sibling pairs are taken from `next_pair` down; 0: from the clusters.
-    Clustering(const Problem<Code>& problem, Stack& stack, std::uint32_t next_pair) noexcept
+    Clustering(const Problem& problem, Stack& stack, std::uint32_t next_pair) noexcept
         : problem_(problem), stack_(stack), next_pair_(next_pair) {}
 
     /// Puts the clusters of positions begin .. end onto the stack, from `base` on. Returns their end.
@@ -315,29 +315,29 @@ private:
         }
     }
 
-    const Problem<Code>& problem_;
+    const Problem& problem_;
     Stack& stack_;
     std::uint32_t next_pair_;
 };
 
-template <typename Set, typename SmallSet, typename Code>
-std::uint32_t build_tree(const Problem<Code>& problem, Stack& stack, std::uint32_t begin, std::uint32_t end,
+template <typename Set, typename SmallSet>
+std::uint32_t build_tree(const Problem& problem, Stack& stack, std::uint32_t begin, std::uint32_t end,
                          std::uint32_t most) noexcept {
-    Clustering<Set, SmallSet, Code> clustering(problem, stack, end - 1);
+    Clustering<Set, SmallSet> clustering(problem, stack, end - 1);
     const std::uint32_t top = clustering.combine(0, clustering.build_tree(begin, end, 0, false), most);
     for (std::uint32_t i = 0; i < top; ++i)
         stack.clusters[i].pair = begin + i;
     return top;
 }
 
-template <typename Set, typename SmallSet, typename Code>
-std::uint32_t unite(const Problem<Code>& problem, Stack& stack, std::uint32_t middle, std::uint32_t top,
+template <typename Set, typename SmallSet>
+std::uint32_t unite(const Problem& problem, Stack& stack, std::uint32_t middle, std::uint32_t top,
                     std::uint32_t target) noexcept {
-    Clustering<Set, SmallSet, Code> clustering(problem, stack, 0);
+    Clustering<Set, SmallSet> clustering(problem, stack, 0);
     return clustering.unite(0, middle, top, target);
 }
 
-template <typename Set, typename SmallSet, typename Code>
-Clusterer<Code> clusterer_of() noexcept {
-    return {build_tree<Set, SmallSet, Code>, unite<Set, SmallSet, Code>};
+template <typename Set, typename SmallSet>
+Clusterer clusterer_of() noexcept {
+    return {build_tree<Set, SmallSet>, unite<Set, SmallSet>};
 }

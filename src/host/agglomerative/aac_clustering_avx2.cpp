@@ -17,12 +17,8 @@ namespace {
 
 }  // namespace
 
-template <typename Code>
-Clusterer<Code> clusterer_avx2() noexcept {
-    return clusterer_of<simd::avx2::Set, SmallSet, Code>();
+Clusterer clusterer_avx2() noexcept {
+    return clusterer_of<simd::avx2::Set, SmallSet>();
 }
-
-template Clusterer<std::uint32_t> clusterer_avx2() noexcept;
-template Clusterer<std::uint64_t> clusterer_avx2() noexcept;
 
 }  // namespace clbvh::host::aac

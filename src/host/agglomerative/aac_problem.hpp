@@ -97,11 +97,10 @@ struct Options {
 }
 
 /// The primitives in Morton order, and where the tree goes.
-template <typename Code>
 struct Problem {
     Options options;
     const ReductionTable& reduction;  ///< Up to the size of the largest task.
-    const Code* codes;                ///< In ascending order.
+    const std::uint64_t* codes;       ///< In ascending order.
     std::uint32_t* ids;       ///< For each position, the reference that stands there; once that is a cluster, its id.
     std::uint32_t* next_ids;  ///< For each position, the next one of the same leaf.
     const Reference* references;  ///< In the order that they came in.
@@ -112,13 +111,12 @@ struct Problem {
 
 /// MakePartition of section 3.1: where the highest bit that is not the same in all codes of begin .. end, two at least,
 /// becomes 1; or the middle, where all codes are equal.
-template <typename Code>
-[[nodiscard]] CLBVH_ALWAYS_INLINE std::uint32_t partition(const Code* codes, std::uint32_t begin,
+[[nodiscard]] CLBVH_ALWAYS_INLINE std::uint32_t partition(const std::uint64_t* codes, std::uint32_t begin,
                                                           std::uint32_t end) noexcept {
-    const Code last = codes[end - 1];
-    const Code difference = codes[begin] ^ last;
+    const std::uint64_t last = codes[end - 1];
+    const std::uint64_t difference = codes[begin] ^ last;
     if (difference == 0) return begin + (end - begin) / 2;
-    const Code first_right = last & ~(std::bit_floor(difference) - 1);
+    const std::uint64_t first_right = last & ~(std::bit_floor(difference) - 1);
     std::uint32_t split = begin;
     for (std::uint32_t left = end - begin; left > 0;) {
         const std::uint32_t half = left / 2;

@@ -152,7 +152,7 @@ void expect_host_codes(const Boxes& boxes, const device::BuildSettings& settings
 }
 
 void expect_host_codes(const Boxes& boxes, const std::string& where) {
-    for (const MortonCode code : {MortonCode::xyz, MortonCode::extended}) {
+    for (const MortonCode code : {MortonCode::cubic, MortonCode::xyz, MortonCode::extended}) {
         for (const Shape shape : kBothShapes) {
             for (const std::uint32_t code_bits : {33u, 44u, 63u})
                 expect_host_codes(boxes, settings_of(morton_options(code, shape, code_bits)), where);
@@ -233,7 +233,7 @@ TEST_CASE("morton: sizes from a point to the scene decide the extended code's si
 }
 
 TEST_CASE("morton: small work groups, and as many pieces as a large device takes") {
-    for (const MortonCode code : {MortonCode::xyz, MortonCode::extended}) {
+    for (const MortonCode code : {MortonCode::cubic, MortonCode::xyz, MortonCode::extended}) {
         for (const std::uint32_t code_bits : {44u, 63u}) {
             for (const Shape shape : kBothShapes) {
                 const BuildOptions options = morton_options(code, shape, code_bits);

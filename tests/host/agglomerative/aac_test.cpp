@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "clbvh/core/validate.hpp"
+#include "clbvh/core/vector.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/metrics/sah.hpp"
 #include "host/agglomerative/morton.hpp"
@@ -16,6 +17,7 @@
 #include "support/compare_trees.hpp"
 #include "support/expect_error.hpp"
 #include "support/oracle/greedy_oracle.hpp"
+#include "support/oracle/morton_oracle.hpp"
 #include "support/references.hpp"
 
 using namespace clbvh;
@@ -56,21 +58,17 @@ struct Subtree {
 class Oracle {
 public:
     Oracle(const std::vector<Aabb>& boxes, const AacConfig& config)
-        : boxes_(boxes), delta_(config.delta), reduction_(reduction_of(config)) {
-        std::vector<host::Reference> references;
-        for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-            const Aabb& b = boxes[i];
-            references.push_back({{b.lower.x, b.lower.y, b.lower.z}, i, {b.upper.x, b.upper.y, b.upper.z}, 0});
-        }
-        bits_ = host::morton_bits(boxes.size());
-        const host::MortonGrid grid(centroid_bounds_of(references), bits_);
+        : boxes_(boxes), delta_(config.delta), cubic_cells_(config.cubic_cells), reduction_(reduction_of(config)) {
+        bits_ = 3 * host::morton_bits(boxes.size());
+        const std::vector<std::uint64_t> codes =
+            morton_codes(boxes, config.cubic_cells ? MortonCode::cubic : MortonCode::xyz);
         for (std::uint32_t i = 0; i < boxes.size(); ++i)
-            sorted_.push_back({grid.code_of<std::uint64_t>(references[i]), i});
+            sorted_.push_back({codes[i] >> (63 - bits_), i});
         std::ranges::sort(sorted_);
     }
 
-    [[nodiscard]] Bvh build() const {
-        std::vector<Subtree> clusters = build_tree(0, static_cast<std::uint32_t>(sorted_.size()), 3 * bits_);
+    [[nodiscard]] Bvh build() {
+        std::vector<Subtree> clusters = build_tree(0, static_cast<std::uint32_t>(sorted_.size()), bits_);
         combine(clusters, 1);
         Bvh bvh;
         bvh.nodes.resize(2);
@@ -81,7 +79,7 @@ public:
 
 private:
     /// All codes of begin .. end agree in the bits from `bit` on.
-    [[nodiscard]] std::vector<Subtree> build_tree(std::uint32_t begin, std::uint32_t end, std::uint32_t bit) const {
+    [[nodiscard]] std::vector<Subtree> build_tree(std::uint32_t begin, std::uint32_t end, std::uint32_t bit) {
         std::vector<Subtree> clusters;
         if (end - begin < delta_) {
             for (std::uint32_t i = begin; i < end; ++i)
@@ -90,6 +88,7 @@ private:
             return clusters;
         }
         std::uint32_t split = begin + (end - begin) / 2;
+        if (bit == 0 && cubic_cells_ && end - begin > 32) bit = recode(begin, end);
         if (bit > 0) {
             --bit;
             split = begin;
@@ -101,6 +100,20 @@ private:
         std::ranges::move(build_tree(split, end, bit), std::back_inserter(clusters));
         combine(clusters, reduction_(end - begin));
         return clusters;
+    }
+
+    /// Codes within the bounds of begin .. end, which had one code. Returns their bits; 0 where all are in one place.
+    std::uint32_t recode(std::uint32_t begin, std::uint32_t end) {
+        std::vector<Aabb> boxes;
+        for (std::uint32_t i = begin; i < end; ++i)
+            boxes.push_back(boxes_[sorted_[i].second]);
+        const Aabb centroids = scene_bounds(boxes).doubled_centroids;
+        if (length(centroids.upper - centroids.lower) == 0) return 0;
+        const std::vector<std::uint64_t> codes = morton_codes(boxes, MortonCode::cubic);
+        for (std::uint32_t i = begin; i < end; ++i)
+            sorted_[i].first = codes[i - begin];
+        std::sort(sorted_.begin() + begin, sorted_.begin() + end);
+        return 63;
     }
 
     static void combine(std::vector<Subtree>& clusters, std::uint32_t target) {
@@ -139,6 +152,7 @@ private:
 
     const std::vector<Aabb>& boxes_;
     std::uint32_t delta_;
+    bool cubic_cells_;
     Reduction reduction_;
     std::uint32_t bits_ = 0;
     std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_;
@@ -330,7 +344,7 @@ TEST_CASE("the reduction of AAC is the paper's", "[host][aac]") {
 }
 
 TEST_CASE("ranges are parted where the highest differing bit of the code becomes 1", "[host][aac]") {
-    const std::vector<std::uint32_t> codes{0, 0, 1, 4, 5, 5, 5, 5, 5, 9, 12, 12, 31};
+    const std::vector<std::uint64_t> codes{0, 0, 1, 4, 5, 5, 5, 5, 5, 9, 12, 12, 31};
     const auto part = [&](std::uint32_t begin, std::uint32_t end) {
         return host::aac::partition(codes.data(), begin, end);
     };
@@ -354,7 +368,7 @@ TEST_CASE("host Morton codes interleave the cells of the centroid", "[host][aac]
     for (const std::uint32_t bits : {1u, 7u, 10u}) {
         const float cells = static_cast<float>(1u << bits);
         const Box4 bounds{Float4::filled(0.0f), Float4::of(cells, cells, cells)};
-        const host::MortonGrid grid(bounds, bits);
+        const host::MortonGrid grid = host::MortonGrid::stretched(bounds, bits);
         for (std::uint32_t i = 0; i < 200; ++i) {
             const std::uint32_t cell[3] = {i * 7919 % (1u << bits), i * 104729 % (1u << bits), i * 31 % (1u << bits)};
             std::uint64_t expected = 0;
@@ -363,8 +377,45 @@ TEST_CASE("host Morton codes interleave the cells of the centroid", "[host][aac]
                     expected = expected << 1 | (c >> bit & 1);
             const auto at = [&](std::size_t axis) { return static_cast<float>(cell[axis]) / 2 + 0.25f; };
             const host::Reference reference{{at(0), at(1), at(2)}, i, {at(0), at(1), at(2)}, 0};
-            REQUIRE(grid.code_of<std::uint32_t>(reference) == expected);
-            REQUIRE(grid.code_of<std::uint64_t>(reference) == expected);
+            REQUIRE(grid.code_of(reference) == expected);
+        }
+    }
+}
+
+TEST_CASE("host Morton codes halve the longest axis, bit by bit as the oracle has it", "[host][aac]") {
+    const std::vector<Vec3> extents{{1, 1, 1}, {8, 2, 1},       {1, 3, 7},      {5, 5, 0},     {0, 0, 2},
+                                    {0, 0, 0}, {1e6f, 1, 1e3f}, {1, 1e-30f, 1}, {9e17f, 1, 1}, {3, 2.9f, 1.5f}};
+    for (const Vec3& extent : extents) {
+        std::vector<Aabb> boxes = random_boxes(500);
+        std::vector<host::Reference> references;
+        for (Aabb& box : boxes) {
+            const Vec3 at = box.lower;
+            const Vec3 corner{at.x * extent.x, at.y * extent.y, at.z * extent.z};
+            box = {corner, corner};
+            references.push_back(host::make_reference(box, 0));
+        }
+        const std::vector<std::uint64_t> expected = morton_codes(boxes, MortonCode::cubic);
+        for (const std::uint32_t bits : {3u, 30u, 42u, 63u}) {
+            const host::MortonGrid grid = host::MortonGrid::cubic(centroid_bounds_of(references), bits);
+            for (std::size_t i = 0; i < boxes.size(); ++i)
+                REQUIRE(grid.code_of(references[i]) == expected[i] >> (63 - bits));
+        }
+    }
+}
+
+TEST_CASE("AAC equals the oracle where a far box leaves all others in one cell, and again among these", "[host][aac]") {
+    for (const float distance : {1e3f, 1e6f, 1e12f}) {
+        std::vector<Aabb> boxes = random_boxes(300);
+        const Vec3 far{distance, -distance, distance};
+        boxes.push_back({far, far});
+        const Vec3 farther{distance * distance, 0, 0};
+        if (distance < 1e9f) boxes.push_back({farther, farther});
+        for (const bool cubic : {true, false}) {
+            AacConfig config = without_flattening(AacConfig::fast());
+            config.cubic_cells = cubic;
+            INFO(distance << (cubic ? ", cubic" : ", stretched"));
+            const Bvh bvh = build_variant(boxes, config, {.reduction = reduction_of(config)});
+            CHECK(compare_trees(bvh, Oracle(boxes, config).build()) == "");
         }
     }
 }

@@ -6,11 +6,14 @@
 #include <limits>
 #include <numeric>
 
+#include "support/oracle/recode_oracle.hpp"
+
 namespace clbvh::test {
 namespace {
 
 constexpr std::uint32_t kCodeBits = 63;
 constexpr std::size_t kSizeChannel = 3;
+constexpr std::size_t kNoChannel = 4;
 
 /// Which channel each bit of a code comes from, the most significant first: an axis, or the primitive's size.
 using BitSources = std::array<std::size_t, kCodeBits>;
@@ -36,6 +39,29 @@ BitSources xyz_sources() {
     BitSources sources{};
     for (std::size_t k = 0; k < sources.size(); ++k)
         sources[k] = k % 3;
+    return sources;
+}
+
+/// Each bit halves the axis that is longest by then, of equal ones the first, until that has 30 bits. Bits that none
+/// needs, and those behind the last whole round through all axes, come from the channel that is always 0.
+BitSources cubic_sources(std::array<float, 3> extents) {
+    BitSources sources{};
+    sources.fill(kNoChannel);
+    const std::size_t shortest =
+        static_cast<std::size_t>(std::min_element(extents.rbegin(), extents.rend()).base() - 1 - extents.begin());
+    std::array<int, 3> counts{};
+    std::size_t rounds_begin = kCodeBits, length = 0;
+    for (; length < kCodeBits; ++length) {
+        const auto longest =
+            static_cast<std::size_t>(std::max_element(extents.begin(), extents.end()) - extents.begin());
+        if (counts[longest] == 30 || extents[longest] == 0.0f) break;
+        if (longest == shortest) rounds_begin = std::min(rounds_begin, length);
+        extents[longest] *= 0.5f;
+        ++counts[longest];
+        sources[length] = longest;
+    }
+    const std::size_t behind = length > rounds_begin ? (length - rounds_begin) % 3 : 0;
+    std::fill(sources.begin() + static_cast<std::ptrdiff_t>(length - behind), sources.end(), kNoChannel);
     return sources;
 }
 
@@ -72,12 +98,12 @@ std::uint32_t quantise_size(float size, float scene_size, std::size_t bits) {
 }
 
 /// Takes the bits of each channel, the most significant first, as `sources` asks for them.
-std::uint64_t interleave(const BitSources& sources, const std::array<std::uint32_t, 4>& values,
-                         std::array<std::size_t, 4> bits_left) {
+std::uint64_t interleave(const BitSources& sources, const std::array<std::uint32_t, 5>& values,
+                         std::array<std::size_t, 5> bits_left) {
     std::uint64_t code = 0;
     for (const std::size_t source : sources) {
         --bits_left[source];
-        code = (code << 1) | ((values[source] >> bits_left[source]) & 1u);
+        code = (code << 1) | (source == kNoChannel ? 0u : values[source] >> bits_left[source] & 1u);
     }
     return code;
 }
@@ -109,15 +135,17 @@ std::vector<std::uint64_t> morton_codes(std::span<const Aabb> bounds, MortonCode
     const auto extents = extents_of(scene.doubled_centroids);
     const auto lower = to_array(scene.doubled_centroids.lower);
     const float scene_size = diagonal(scene.primitives);
-    const BitSources sources = code == MortonCode::xyz ? xyz_sources() : extended_sources(extents);
-    std::array<std::size_t, 4> bits{};
+    const BitSources sources = code == MortonCode::cubic ? cubic_sources(extents)
+                               : code == MortonCode::xyz ? xyz_sources()
+                                                         : extended_sources(extents);
+    std::array<std::size_t, 5> bits{};
     for (const std::size_t source : sources)
         ++bits[source];
 
     std::vector<std::uint64_t> codes;
     for (const Aabb& box : bounds) {
         const auto centroid = to_array(doubled_centroid(box));
-        std::array<std::uint32_t, 4> values{};
+        std::array<std::uint32_t, 5> values{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             values[axis] = quantise(centroid[axis] - lower[axis], extents[axis], bits[axis]);
         }
@@ -157,6 +185,7 @@ MortonOrder morton_order(const Mesh& mesh, MortonCode code, std::uint32_t code_b
         sorted.ids.push_back(active.ids[i]);
         sorted.bounds.push_back(active.bounds[i]);
     }
+    if (code == MortonCode::cubic && code_bits != kCodeBits) recode(sorted);
     return sorted;
 }
 

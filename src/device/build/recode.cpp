@@ -1,0 +1,31 @@
+#include "device/build/recode.hpp"
+
+namespace clbvh::device {
+
+ProgramSpec recode_program(const BuildSettings& settings) {
+    return {"recode.cl", settings.sort_group_size, ""};
+}
+
+void launch_recode(Launcher& launcher, const BuildSettings& settings, const BuildBuffers& b,
+                   std::uint32_t primitive_count) {
+    if (primitive_count <= kernels::LONGEST_RUN) return;
+    const auto kernel = [&](std::string_view name) -> Kernel& {
+        return launcher.session().kernel(recode_program(settings), name);
+    };
+    const std::uint32_t index_bits = settings.key_layout(primitive_count).index_bits;
+    const Pieces pieces = settings.sort_pieces(primitive_count);
+    launcher.clear_uints(b.recode_state, 0, kernels::RECODE_ROUNDS * kernels::RECODE_STATE_WORDS);
+    for (cl_uint round = 0; round < kernels::RECODE_ROUNDS; ++round) {
+        launcher.launch(kernel("find_runs"), pieces.count, b.codes, b.primitive_count, pieces.length, index_bits, round,
+                        b.recode_state, b.recode_runs);
+        launcher.launch(kernel("find_levels"), pieces.count, b.codes, b.primitive_count, pieces.length, index_bits,
+                        round, b.recode_state);
+        launcher.launch(kernel("pack_codes"), pieces.count, b.codes, b.primitive_count, pieces.length, index_bits,
+                        round, b.recode_state);
+        launcher.launch(kernel("recode_runs"), pieces.count, b.boxes, index_bits, round, b.recode_state, b.recode_runs,
+                        b.codes, b.primitive_ids, b.keys);
+    }
+    launcher.count_bytes(8 * std::uint64_t{primitive_count});
+}
+
+}  // namespace clbvh::device
