@@ -24,6 +24,7 @@
 #include "clbvh/host/sbvh.hpp"
 #include "clbvh/host/sweep_sah.hpp"
 #include "clbvh/layout/compressed8.hpp"
+#include "clbvh/layout/layout_kind.hpp"
 #include "clbvh/layout/padded_triangles.hpp"
 #include "clbvh/layout/pair.hpp"
 #include "clbvh/layout/skip.hpp"

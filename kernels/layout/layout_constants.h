@@ -33,6 +33,7 @@ enum {
     LAYOUT_NODE_COUNT = 0,  // 0 where the tree has no leaves
     LAYOUT_BLOCK_COUNT = 1,
     LAYOUT_DEPTH = 2,
+    LAYOUT_TOP = 3,  // of those in depth-first order: pairs in `top`
     LAYOUT_HEADER_WORDS = 16,
 };
 
@@ -48,6 +49,18 @@ typedef struct {
 typedef struct {
     ulong header, nodes, blocks, sources, rows, state, pieces, next_chunks, records;
 } LayoutPlace;
+
+// The same of a layout whose nodes are in depth-first order; kernels/layout/depth_first.cl says what each part is.
+typedef struct {
+    ulong header, nodes, primitive_ids, parents, below, places, next_places, top;
+} DepthFirstPlace;
+
+enum {
+    SUBTREE_WORDS = 3,
+    PLACE_WORDS = 3,
+    SKIP_NODE_WORDS = 8,   // SkipNode
+    PAIR_NODE_WORDS = 16,  // PairNode
+};
 
 // The tree is cut as on the host (src/layout/opening.hpp).
 enum {

@@ -1,8 +1,6 @@
 // A tree refitted on the device in one shape, beside the host's: what Oclgrind watches.
 //   oclgrind_refit_tree (group | lane)
 
-#include <CL/cl.h>
-
 #include <array>
 #include <clbvh/clbvh.hpp>
 #include <clbvh/device/device_refitter.hpp>
@@ -16,32 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "device_buffer.hpp"
+
 namespace {
-
-/// A buffer of the device with these values, or with room for so many bytes.
-class Buffer {
-public:
-    Buffer(const clbvh::Context& context, std::size_t bytes)
-        : buffer_(clCreateBuffer(context.opencl_context(), CL_MEM_READ_WRITE, bytes, nullptr, nullptr)) {}
-    template <typename T>
-    Buffer(const clbvh::Context& context, const std::vector<T>& values) : Buffer(context, values.size() * sizeof(T)) {
-        clEnqueueWriteBuffer(context.opencl_queue(), buffer_, CL_TRUE, 0, values.size() * sizeof(T), values.data(), 0,
-                             nullptr, nullptr);
-    }
-    Buffer(const Buffer&) = delete;
-    Buffer& operator=(const Buffer&) = delete;
-    ~Buffer() { clReleaseMemObject(buffer_); }
-
-    template <typename T>
-    void read(const clbvh::Context& context, std::span<T> values) const {
-        clEnqueueReadBuffer(context.opencl_queue(), buffer_, CL_TRUE, 0, values.size_bytes(), values.data(), 0, nullptr,
-                            nullptr);
-    }
-    [[nodiscard]] clbvh::DeviceSpan span() const { return {buffer_, 0}; }
-
-private:
-    cl_mem buffer_;
-};
 
 int run(const std::string& shape) {
     clbvh::Mesh mesh = clbvh::generate_scene("soup", 3000);
@@ -58,8 +33,9 @@ int run(const std::string& shape) {
     const auto node_count = static_cast<std::uint32_t>(expected.nodes.size());
     const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
     const clbvh::DeviceRefitSizes sizes = refitter.sizes(node_count, count);
-    const Buffer nodes(context, nodes_before), ids(context, expected.primitive_ids), vertices(context, mesh.vertices),
-        indices(context, mesh.triangles), order(context, sizes.order), scratch(context, sizes.scratch), sah(context, 8);
+    const DeviceBuffer nodes(context, nodes_before), ids(context, expected.primitive_ids),
+        vertices(context, mesh.vertices), indices(context, mesh.triangles), order(context, sizes.order),
+        scratch(context, sizes.scratch), sah(context, 8);
     clbvh::DeviceTriangles triangles;
     triangles.count = count;
     triangles.vertices = vertices.span();

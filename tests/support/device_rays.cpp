@@ -36,9 +36,10 @@ DeviceRayMemory::Guarded DeviceRayMemory::make_guarded(std::uint64_t bytes) {
     return guarded;
 }
 
-DeviceRayMemory::DeviceRayMemory(const DeviceTracer& tracer, const DeviceBvh& bvh, std::span<const Ray> rays)
+DeviceRayMemory::DeviceRayMemory(const DeviceTracer& tracer, const DeviceBvh& bvh, std::span<const Ray> rays,
+                                 LayoutKind kind)
     : count_(static_cast<std::uint32_t>(rays.size())) {
-    const DeviceTraceSizes sizes = tracer.sizes(bvh);
+    const DeviceTraceSizes sizes = tracer.sizes(bvh, kind);
     rays_ = cl::Buffer(shared_context().session().context(), CL_MEM_READ_ONLY, rays.size_bytes());
     queue().enqueueWriteBuffer(rays_, CL_TRUE, 0, rays.size_bytes(), rays.data());
     results_ = make_guarded(count_ * sizeof(Hit));

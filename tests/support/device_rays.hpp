@@ -11,11 +11,12 @@ namespace clbvh::test {
 /// Memory for tracing rays on the shared context, with guard bytes around what the tracer writes.
 class DeviceRayMemory {
 public:
-    DeviceRayMemory(const DeviceTracer& tracer, const DeviceBvh& bvh, std::span<const Ray> rays);
+    DeviceRayMemory(const DeviceTracer& tracer, const DeviceBvh& bvh, std::span<const Ray> rays,
+                    LayoutKind kind = LayoutKind::wide8);
 
     /// Where the rays, their hits and counts are.
     [[nodiscard]] DeviceRays rays() const;
-    /// Where a traversal layout may be made.
+    /// Where a layout of this kind may be made.
     [[nodiscard]] DeviceSpan layout() const { return layout_.span; }
 
     [[nodiscard]] std::vector<Hit> hits() const;

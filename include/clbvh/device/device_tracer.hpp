@@ -11,6 +11,7 @@
 #include "clbvh/device/memory.hpp"
 #include "clbvh/device/tracer_options.hpp"
 #include "clbvh/export.h"
+#include "clbvh/layout/layout_kind.hpp"
 
 namespace clbvh {
 
@@ -20,17 +21,19 @@ struct DeviceScene {
     /// where a layout is made.
     DeviceBvh bvh;
     DeviceTriangles triangles;  ///< The mesh that the tree was built over; rays do not look at it where there is a
-    DeviceSpan layout;          ///< traversal layout: filled by enqueue_layout of any DeviceTracer for this tree, with
-                                ///< the same counts; offset, a multiple of 64. See docs/trace-device.md for how one
-                                ///< that is older than its tree is noticed.
+    DeviceSpan layout;          ///< layout: filled by enqueue_layout of any DeviceTracer for this tree, with the same
+                                ///< counts; offset, a multiple of 64. See docs/trace-device.md for how one that is
+                                ///< older than its tree is noticed.
+    LayoutKind layout_kind = LayoutKind::wide8;  ///< Rays go through wide8; skip and pair are for kernels of the
+                                                 ///< caller's, and do not look at the mesh either. No other is made.
 };
 
-/// Where the parts of a traversal layout are: a Wide8, see clbvh/layout/wide.hpp and docs/layouts.md.
-struct DeviceWide8 {
-    DeviceSpan
-        header;        ///< Three uints: the numbers of nodes and of blocks, the depth; all 0 for a tree without leaves.
-    DeviceSpan nodes;  ///< WideNode<8> [nodes]
-    DeviceSpan blocks;  ///< TriangleBlock [blocks]
+/// Where the parts of a layout in device memory are. See docs/layouts.md.
+struct DeviceLayout {
+    DeviceSpan header;    ///< Three uints: the numbers of nodes and of elements, the depth; all 0 for a tree without
+                          ///< leaves.
+    DeviceSpan nodes;     ///< WideNode<8>, SkipNode or PairNode [nodes]
+    DeviceSpan elements;  ///< TriangleBlock [elements] of wide8, else uint [elements], the primitive ids.
 };
 
 /// Rays that can be traced at once.
@@ -48,7 +51,8 @@ struct DeviceRays {
 /// Bytes that tracing needs beside the tree, the rays and the hits.
 struct DeviceTraceSizes {
     std::uint64_t scratch = 0;  ///< For any number of rays; free again when they are traced.
-    /// Some 267 for each reference, which any tree has room in; most trees leave half of them as they were.
+    /// Some 267 for each reference of a wide8, which any tree has room in; most trees leave half of them as they were.
+    /// 112 and 176 of skip and pair where leaves have one primitive; 0 of kinds that are not made.
     std::uint64_t layout = 0;
 };
 
@@ -73,14 +77,16 @@ public:
     ~DeviceTracer();
 
     /// Bytes that a tree needs; only the two counts of `bvh` are looked at.
-    [[nodiscard]] DeviceTraceSizes sizes(const DeviceBvh& bvh) const noexcept;
+    [[nodiscard]] DeviceTraceSizes sizes(const DeviceBvh& bvh, LayoutKind kind = LayoutKind::wide8) const noexcept;
 
-    /// Where the parts of scene.layout are. Only it and the two counts of the tree are looked at.
-    [[nodiscard]] static DeviceWide8 wide8_of(const DeviceScene& scene) noexcept;
+    /// Where the parts of scene.layout are. Only it, its kind and the two counts of the tree are looked at. Empty spans
+    /// for kinds that are not made.
+    [[nodiscard]] static DeviceLayout layout_of(const DeviceScene& scene) noexcept;
 
-    /// Enqueues that scene.layout is filled with the scene as rays go through it fastest: worth its time where many
-    /// rays follow, see docs/trace-device.md. The mesh is not needed afterwards, the tree is. The layout's Wide8 has
-    /// the bytes of make_layout() for a Bvh of as many nodes: 2 * the active count where there is one, else node_count.
+    /// Enqueues that scene.layout is filled with the scene as scene.layout_kind says. wide8 is how rays go through it
+    /// fastest: worth its time where many rays follow, see docs/trace-device.md. The mesh is not needed afterwards; of
+    /// wide8 the tree is. Nodes and elements have the bytes of make_layout() for a Bvh of as many nodes: 2 * the active
+    /// count where there is one, else node_count. Throws Error(unsupported) for kinds that are not made.
     ///
     /// This and the next two allocate nothing and wait for nothing: they begin when the events in `wait_list` are
     /// complete, in an in-order queue also behind what was enqueued before, and `event`, where given, becomes the

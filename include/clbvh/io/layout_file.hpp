@@ -6,14 +6,12 @@
 
 #include "clbvh/export.h"
 #include "clbvh/layout/compressed8.hpp"
+#include "clbvh/layout/layout_kind.hpp"
 #include "clbvh/layout/pair.hpp"
 #include "clbvh/layout/skip.hpp"
 #include "clbvh/layout/wide.hpp"
 
 namespace clbvh {
-
-/// As in files.
-enum class LayoutKind : std::uint32_t { wide8 = 1, wide4 = 2, compressed8 = 3, pair = 4, skip = 5 };
 
 /// "wide8", "wide4", "compressed8", "pair" or "skip".
 [[nodiscard]] CLBVH_IO_API std::string_view to_string(LayoutKind kind) noexcept;

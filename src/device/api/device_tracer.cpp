@@ -12,6 +12,7 @@
 #include "device/api/caller_queue.hpp"
 #include "device/api/caller_tree.hpp"
 #include "device/api/layout_book.hpp"
+#include "device/trace/depth_first_layout.hpp"
 #include "device/trace/host_scene.hpp"
 #include "device/trace/trace.hpp"
 #include "layout/check_tree.hpp"
@@ -31,7 +32,8 @@ constexpr std::uint64_t kRayAlignment = 16;
 
 TraceSettings prepare_tracing(Session& session, const DeviceTracerOptions& options) {
     const TraceSettings settings = device::resolve_trace_settings(session, options);
-    const std::array programs{device::trace_program(settings), device::layout_program(settings.layout)};
+    const std::array programs{device::trace_program(settings), device::layout_program(settings.layout),
+                              device::depth_first_program(settings.layout)};
     session.prepare({programs});
     return settings;
 }
@@ -63,21 +65,36 @@ struct CheckedScene {
     }
 };
 
-void check_references(const Session& session, const DeviceScene& given, CheckedScene& checked) {
+void check_ids(const Session& session, const DeviceScene& given, CheckedScene& checked) {
     device::check_multiple("the primitive ids' offset", given.bvh.primitive_ids.offset, 0, sizeof(cl_uint));
     checked.primitive_ids = device::examine(session, "the primitive ids", given.bvh.primitive_ids,
                                             sizeof(cl_uint) * std::uint64_t{given.bvh.reference_count});
     device::check_readable(checked.primitive_ids);
     checked.scene.primitive_ids = checked.primitive_ids.given;
+}
+
+void check_mesh(const Session& session, const DeviceScene& given, CheckedScene& checked) {
     device::CallerInput input = device::check_input(session, given.triangles);
     checked.vertices = std::move(input.vertices);
     checked.indices = std::move(input.indices);
     checked.scene.mesh = input.mesh;
 }
 
+std::optional<device::DepthFirstKind> depth_first_kind(LayoutKind kind) {
+    if (kind == LayoutKind::skip) return device::DepthFirstKind::skip;
+    if (kind == LayoutKind::pair) return device::DepthFirstKind::pair;
+    return std::nullopt;
+}
+
+std::uint64_t layout_bytes(const DeviceBvh& bvh, LayoutKind kind) {
+    if (const auto depth_first = depth_first_kind(kind))
+        return device::lay_out_depth_first(*depth_first, bvh.node_count, bvh.reference_count).bytes;
+    return kind == LayoutKind::wide8 ? device::lay_out_scene(bvh.node_count, bvh.reference_count).bytes : 0;
+}
+
 CallerMemory examine_layout(const Session& session, const DeviceScene& given) {
-    return examine_array(session, "the layout", given.layout,
-                         device::lay_out_scene(given.bvh.node_count, given.bvh.reference_count).bytes, kNodeAlignment);
+    return examine_array(session, "the layout", given.layout, layout_bytes(given.bvh, given.layout_kind),
+                         kNodeAlignment);
 }
 
 void check_nodes(const Session& session, const DeviceScene& given, CheckedScene& checked) {
@@ -93,8 +110,12 @@ CheckedScene check_scene(const Session& session, const DeviceScene& given) {
     if (given.bvh.node_count == 0 || given.bvh.reference_count == 0) return checked;
     check_nodes(session, given, checked);
     if (given.layout.buffer == nullptr) {
-        check_references(session, given, checked);
+        check_ids(session, given, checked);
+        check_mesh(session, given, checked);
     } else {
+        if (given.layout_kind != LayoutKind::wide8) {
+            throw Error(ErrorCode::invalid_input, "the layout's kind is not wide8, and rays go through no other");
+        }
         checked.layout = examine_layout(session, given);
         device::check_readable(checked.layout);
         device::check_layout_of(checked.layout, checked.nodes);
@@ -173,16 +194,21 @@ DeviceTracer::DeviceTracer(DeviceTracer&&) noexcept = default;
 DeviceTracer& DeviceTracer::operator=(DeviceTracer&&) noexcept = default;
 DeviceTracer::~DeviceTracer() = default;
 
-DeviceTraceSizes DeviceTracer::sizes(const DeviceBvh& bvh) const noexcept {
-    return {device::lay_out_trace_scratch(bvh.node_count).bytes,
-            device::lay_out_scene(bvh.node_count, bvh.reference_count).bytes};
+DeviceTraceSizes DeviceTracer::sizes(const DeviceBvh& bvh, LayoutKind kind) const noexcept {
+    return {device::lay_out_trace_scratch(bvh.node_count).bytes, layout_bytes(bvh, kind)};
 }
 
-DeviceWide8 DeviceTracer::wide8_of(const DeviceScene& scene) noexcept {
-    const device::SceneLayout parts = device::lay_out_scene(scene.bvh.node_count, scene.bvh.reference_count);
+DeviceLayout DeviceTracer::layout_of(const DeviceScene& scene) noexcept {
+    const DeviceBvh& bvh = scene.bvh;
     const auto part = [&](const device::Block& block) {
         return DeviceSpan{scene.layout.buffer, scene.layout.offset + block.offset};
     };
+    if (const auto kind = depth_first_kind(scene.layout_kind)) {
+        const auto parts = device::lay_out_depth_first(*kind, bvh.node_count, bvh.reference_count);
+        return {part(parts.header), part(parts.nodes), part(parts.primitive_ids)};
+    }
+    if (scene.layout_kind != LayoutKind::wide8) return {};
+    const device::SceneLayout parts = device::lay_out_scene(bvh.node_count, bvh.reference_count);
     return {part(parts.header), part(parts.nodes), part(parts.blocks)};
 }
 
@@ -192,19 +218,30 @@ void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& sce
     Session& session = state.context.session();
     device::enqueue_for_caller("enqueuing a layout", session, {queue, wait_list, event}, [&](Launcher& launcher) {
         if (scene.bvh.reference_count == 0 || scene.bvh.node_count == 0) return;
+        const bool is_wide = scene.layout_kind == LayoutKind::wide8;
+        const auto kind = depth_first_kind(scene.layout_kind);
+        if (!is_wide && !kind) {
+            throw Error(ErrorCode::unsupported, "of layouts, devices make wide8, pair and skip");
+        }
         CheckedScene checked;
         check_nodes(session, scene, checked);
-        check_references(session, scene, checked);
+        check_ids(session, scene, checked);
+        if (is_wide) check_mesh(session, scene, checked);
         const CallerMemory active_count = device::examine_active_count(session, scene.bvh.active_count);
         const CallerMemory out = examine_layout(session, scene);
         device::check_read_write(out);
         checked.check_apart_from(out);
         device::check_apart({out, active_count});
         launcher.begin_stage("layout", 0.0);
-        device::note_layout(out, checked.nodes);
         checked.scene.active_count = active_count.given;
         checked.scene.layout = out.given;
-        device::launch_layout(launcher, state.settings.layout, checked.scene);
+        if (is_wide) {
+            device::note_layout(out, checked.nodes);
+            device::launch_layout(launcher, state.settings.layout, checked.scene);
+        } else {
+            device::note_written(out);
+            device::launch_depth_first(launcher, state.settings.layout, *kind, checked.scene);
+        }
     });
 }
 

@@ -112,7 +112,7 @@ void launch_layout(Launcher& launcher, const LayoutSettings& settings, const Tra
 void launch_layout_refit(Launcher& launcher, const LayoutSettings& settings, const TraceScene& scene) {
     if (scene.reference_count == 0) return;
     const SceneLayout layout = lay_out_scene(scene.node_count, scene.reference_count, scene.layout);
-    launcher.launch(layout_kernel(launcher, settings, "refit_layout"), settings.refit_groups, scene.nodes.buffer,
+    launcher.launch(layout_kernel(launcher, settings, "refit_layout"), settings.share_groups, scene.nodes.buffer,
                     scene.primitive_ids.buffer, scene.mesh.vertices.buffer, scene.mesh.index_buffer(), place_of(scene),
                     scene.layout.buffer, place_of(layout));
     launch_rows(launcher, settings, scene, layout);

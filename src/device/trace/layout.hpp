@@ -37,7 +37,7 @@ struct TraceScene {
 /// How layouts are made on one device.
 struct LayoutSettings {
     std::size_t work_group_size = 1;  ///< 1 in the lane shape.
-    std::uint32_t refit_groups = 1;
+    std::uint32_t share_groups = 1;   ///< Of passes that are dealt out to any number of groups.
 };
 [[nodiscard]] LayoutSettings resolve_layout_settings(Session& session, Shape shape);
 

@@ -6,6 +6,8 @@
 #include "clbvh/device/device_refitter.hpp"
 #include "clbvh/device/device_tracer.hpp"
 #include "clbvh/io/scene.hpp"
+#include "clbvh/layout/pair.hpp"
+#include "clbvh/layout/skip.hpp"
 #include "clbvh/layout/wide.hpp"
 #include "device/opencl/session.hpp"
 #include "support/builders.hpp"
@@ -71,33 +73,58 @@ bool same_elements(const Array& expected, const std::vector<T>& found) {
            (found.empty() || std::memcmp(expected.data(), found.data(), found.size() * sizeof(T)) == 0);
 }
 
-/// What differs between the layout in device memory and the host's; empty where nothing does.
-std::string difference(const DeviceScene& scene, const Wide8& expected) {
-    const DeviceWide8 parts = DeviceTracer::wide8_of(scene);
+template <typename Node, typename Element>
+std::string difference(const DeviceScene& scene, const LayoutArray<Node>& nodes, const LayoutArray<Element>& elements,
+                       std::uint32_t depth) {
+    const DeviceLayout parts = DeviceTracer::layout_of(scene);
     const auto header = read_span<std::uint32_t>(parts.header, 3);
-    if (header[0] != expected.nodes.size()) return "number of nodes";
-    if (header[1] != expected.blocks.size()) return "number of blocks";
-    if (header[2] != expected.depth) return "depth";
-    if (!same_elements(expected.nodes, read_span<WideNode<8>>(parts.nodes, header[0]))) return "nodes";
-    if (!same_elements(expected.blocks, read_span<TriangleBlock>(parts.blocks, header[1]))) return "blocks";
+    if (header[0] != nodes.size()) return "number of nodes";
+    if (header[1] != elements.size()) return "number of elements";
+    if (header[2] != depth) return "depth";
+    if (!same_elements(nodes, read_span<Node>(parts.nodes, header[0]))) return "nodes";
+    if (!same_elements(elements, read_span<Element>(parts.elements, header[1]))) return "elements";
     return {};
 }
 
-void expect_host_layout(DeviceScene scene, const Wide8& expected) {
+/// What differs between the layout in device memory and the host's; empty where nothing does.
+std::string difference(const DeviceScene& scene, const Wide8& expected) {
+    return difference(scene, expected.nodes, expected.blocks, expected.depth);
+}
+
+template <typename Layout>
+std::string difference(const DeviceScene& scene, const Layout& expected) {
+    return difference(scene, expected.nodes, expected.primitive_ids, expected.depth);
+}
+
+template <typename Layout>
+void expect_host_layout(DeviceTracer& tracer, DeviceScene scene, LayoutKind kind, const Layout& expected) {
+    const DeviceRayMemory memory(tracer, scene.bvh, std::vector<Ray>(1), kind);
+    scene.layout = memory.layout();
+    scene.layout_kind = kind;
+    INFO("kind " << static_cast<int>(kind));
+    tracer.enqueue_layout(queue()(), scene);
+    CHECK(difference(scene, expected).empty());
+    CHECK(memory.guards_are_whole());
+}
+
+void expect_host_layouts(const DeviceScene& scene, const Bvh& bvh, const Mesh& mesh) {
+    const auto wide8 = make_layout<Wide8>(bvh, mesh);
+    SkipLayout skip;
+    make_layout(bvh, skip);
+    PairLayout pair;
+    make_layout(bvh, pair);
     for (const Shape shape : {Shape::group, Shape::lane}) {
         INFO(to_string(shape));
         DeviceTracer tracer(shared_context(), tracer_options(shape));
-        const DeviceRayMemory memory(tracer, scene.bvh, std::vector<Ray>(1));
-        scene.layout = memory.layout();
-        tracer.enqueue_layout(queue()(), scene);
-        CHECK(difference(scene, expected).empty());
-        CHECK(memory.guards_are_whole());
+        expect_host_layout(tracer, scene, LayoutKind::wide8, wide8);
+        expect_host_layout(tracer, scene, LayoutKind::skip, skip);
+        expect_host_layout(tracer, scene, LayoutKind::pair, pair);
     }
 }
 
-void expect_host_layout(const Bvh& bvh, const Mesh& mesh) {
+void expect_host_layouts(const Bvh& bvh, const Mesh& mesh) {
     const UploadedScene uploaded(bvh, mesh);
-    expect_host_layout(uploaded.scene, make_layout<Wide8>(bvh, mesh));
+    expect_host_layouts(uploaded.scene, bvh, mesh);
 }
 
 }  // namespace
@@ -110,7 +137,7 @@ TEST_CASE("device layout: the host's bytes, of any builder's tree over any gener
                 INFO(scene.name << ", " << builder.id << ", leaves of " << max_leaf);
                 BuildOptions options;
                 options.max_leaf_size = max_leaf;
-                expect_host_layout(build(mesh, builder.id, options), mesh);
+                expect_host_layouts(build(mesh, builder.id, options), mesh);
             }
         }
     }
@@ -118,18 +145,18 @@ TEST_CASE("device layout: the host's bytes, of any builder's tree over any gener
 
 TEST_CASE("device layout: the host's bytes where a tree is cut into many pieces") {
     const Mesh mesh = generate_scene("city", 60000);
-    expect_host_layout(build(mesh, "binned-sah"), mesh);
-    expect_host_layout(build(mesh, "sbvh"), mesh);
+    expect_host_layouts(build(mesh, "binned-sah"), mesh);
+    expect_host_layouts(build(mesh, "sbvh"), mesh);
     const Mesh chain = generate_scene("soup", 20000);
-    expect_host_layout(chain_tree(chain), chain);
+    expect_host_layouts(chain_tree(chain), chain);
 }
 
 TEST_CASE("device layout: small trees, chains, and leaves of any size") {
     for (const std::uint32_t count : {1u, 2u, 3u, 4u, 5u, 9u, 40u}) {
         const Mesh mesh = generate_scene("soup", count);
         INFO(count);
-        expect_host_layout(build(mesh, "median"), mesh);
-        if (count > 1) expect_host_layout(chain_tree(mesh), mesh);
+        expect_host_layouts(build(mesh, "median"), mesh);
+        if (count > 1) expect_host_layouts(chain_tree(mesh), mesh);
     }
     for (const std::uint32_t count : {1u, 4u, 5u, 32u, 33u, 64u, 256u, 257u, 3000u}) {
         const Mesh mesh = generate_scene("soup", count);
@@ -140,7 +167,7 @@ TEST_CASE("device layout: small trees, chains, and leaves of any size") {
         leaf.nodes[0].first = 0;
         leaf.nodes[0].count = count;
         INFO(count);
-        expect_host_layout(leaf, mesh);
+        expect_host_layouts(leaf, mesh);
         const Mesh twice = generate_scene("soup", 2 * count);
         Bvh pair = build(twice, "median");
         pair.nodes = {pair.nodes[0], Node{}, pair.nodes[0], pair.nodes[0]};
@@ -149,10 +176,10 @@ TEST_CASE("device layout: small trees, chains, and leaves of any size") {
         pair.nodes[2].first = 0;
         pair.nodes[3].first = count;
         pair.nodes[2].count = pair.nodes[3].count = count;
-        expect_host_layout(pair, twice);
+        expect_host_layouts(pair, twice);
     }
     const Mesh line = line_of_points(500);
-    expect_host_layout(build(line, "median"), line);
+    expect_host_layouts(build(line, "median"), line);
 }
 
 TEST_CASE("device layout: trees of the device's own, with inactive primitives and without any") {
@@ -167,7 +194,7 @@ TEST_CASE("device layout: trees of the device's own, with inactive primitives an
             const auto& triangles = std::get<DeviceTriangles>(tree.input());
             const DeviceScene scene{DeviceBvh::of(tree.result(), triangles.count), triangles, {}};
             const Bvh bvh = tree.read();
-            expect_host_layout(scene, make_layout<Wide8>(bvh, mesh));
+            expect_host_layouts(scene, bvh, mesh);
         }
     }
 }
@@ -306,6 +333,31 @@ TEST_CASE("device layout: one that is older than its tree is never traced") {
     into_layout.results = memory.layout();
     tracer.enqueue_closest(queue()(), uploaded.scene, into_layout);
     expect_stale(tracer, scene, memory.rays());
+    queue().finish();
+}
+
+TEST_CASE("device layout: rays go through wide8 alone, and kinds that are not made are refused") {
+    const Mesh mesh = generate_scene("soup", 300);
+    const UploadedScene uploaded(build(mesh, "median"), mesh);
+    DeviceTracer tracer(shared_context());
+    const DeviceRayMemory memory(tracer, uploaded.scene.bvh, rays_for(mesh, 5));
+    DeviceScene scene = uploaded.scene;
+    scene.layout = memory.layout();
+    tracer.enqueue_layout(queue()(), scene);
+    DeviceScene skip = scene;
+    skip.layout_kind = LayoutKind::skip;
+    skip.triangles = {};
+    tracer.enqueue_layout(queue()(), skip);
+    expect_stale(tracer, scene, memory.rays());  // overwritten
+    expect_error(ErrorCode::invalid_input, {"the layout's kind is not wide8"},
+                 [&] { tracer.enqueue_closest(queue()(), skip, memory.rays()); });
+    for (const LayoutKind kind : {LayoutKind::wide4, LayoutKind::compressed8}) {
+        scene.layout_kind = kind;
+        CHECK(tracer.sizes(scene.bvh, kind).layout == 0);
+        CHECK(DeviceTracer::layout_of(scene).nodes.buffer == nullptr);
+        expect_error(ErrorCode::unsupported, {"wide8, pair and skip"},
+                     [&] { tracer.enqueue_layout(queue()(), scene); });
+    }
     queue().finish();
 }
 
