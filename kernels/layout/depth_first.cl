@@ -288,8 +288,8 @@ KERNEL void write_nodes(global const uchar* tree, global const uchar* primitive_
     t.ids = AT(uint, layout, place.primitive_ids);
     t.is_pair = is_pair;
     global const uint* const header = t.order.header;
-    if (get_group_id(0) == 0 && LOCAL_ID == 0 && header[LAYOUT_NODE_COUNT] > 0 && header[LAYOUT_TOP] == 0)
-        write_subtree(t, ROOT_SLOT, 0, 0);
+    const int is_one_subtree = header[LAYOUT_NODE_COUNT] > 0 && header[LAYOUT_TOP] == 0;
+    if (is_one_subtree && get_global_id(0) == 0) write_subtree(t, ROOT_SLOT, 0, 0);
     const ulong places = doublings_of(header[LAYOUT_DEPTH]) % 2 == 0 ? place.places : place.next_places;
     FOR_TOP(i, t.order) {
         const uint pair = t.order.top[i], slot = t.order.parents[pair];
