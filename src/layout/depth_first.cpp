@@ -1,7 +1,10 @@
 #include "layout/depth_first.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <span>
+#include <utility>
 
 #include "core/simd/prefetch.hpp"
 #include "layout/reject_tree.hpp"
@@ -24,19 +27,17 @@ struct Measure {
 /// steps as there are nodes.
 class PartFinder {
 public:
-    explicit PartFinder(const Bvh& bvh) : bvh_(bvh), nodes_(bvh.nodes.data()) {}
+    PartFinder(const Bvh& bvh, std::atomic<std::uint8_t>* pairs) : bvh_(bvh), nodes_(bvh.nodes.data()), pairs_(pairs) {}
 
-    std::vector<Part> find() {
+    std::optional<TreeParts> find() {
         open_top();
         std::vector<Part> parts = in_depth_first_order();
         tbb::parallel_for(
             std::size_t{0}, parts.size(), [&](std::size_t i) { measure_part(parts[i]); }, tbb::simple_partitioner{});
-        if (has_fault_.load(std::memory_order_relaxed)) reject_tree(bvh_);
+        if (has_fault_.load(std::memory_order_relaxed)) return std::nullopt;
         number(parts);
-        return parts;
+        return TreeParts{std::move(parts), depth_.load(std::memory_order_relaxed)};
     }
-
-    [[nodiscard]] std::uint32_t depth() const noexcept { return depth_.load(std::memory_order_relaxed); }
 
 private:
     static constexpr std::uint32_t kNone = ~0U;
@@ -55,6 +56,9 @@ private:
     [[nodiscard]] bool has_ids(const Node& leaf) const noexcept {
         return std::uint64_t{leaf.first} + leaf.count <= bvh_.primitive_ids.size();
     }
+    void mark_children(const Node& node) const noexcept {
+        if (pairs_ != nullptr) pairs_[node.first / 2].store(1, std::memory_order_relaxed);
+    }
 
     /// Level by level, until there are enough subtrees below. In a tree that is a chain that will never be.
     void open_top() {
@@ -64,6 +68,7 @@ private:
             const Node& node = nodes_[top_[i].node];
             if (node.is_leaf()) continue;
             if (!has_children(node)) return has_fault_.store(true, std::memory_order_relaxed);
+            mark_children(node);
             const std::uint32_t depth = top_[i].depth + 1;
             top_[i].children = static_cast<std::uint32_t>(top_.size());
             top_.push_back({node.first, depth});
@@ -100,36 +105,48 @@ private:
         if (total_ids_.load(std::memory_order_relaxed) > bvh_.primitive_ids.size()) give_up();
     }
 
-    /// Walks over a subtree, in the order that needs the fewest waits for memory.
+    /// Children that a walk has come to know of.
+    struct Pair {
+        std::uint32_t first = 0, depth = 0;
+    };
+
+    /// Walks over a subtree, some pairs at a time, so that what was asked for is there when its turn comes.
     Measure measure_below(const Part& part) {
-        struct Visit {
-            std::uint32_t node, depth;
-        };
-        constexpr std::size_t kStepsAtOnce = 1024;
-        Measure measure;
-        std::vector<Visit> stack{{part.node, part.depth}};
+        constexpr std::size_t kPairsAtOnce = 16, kStepsAtOnce = 1024;
+        Measure measure{.nodes = 1, .depth = part.depth};
+        std::uint64_t added = 0;
+        std::vector<Pair> stack;
+        look_at(nodes_[part.node], part.depth, measure, stack);
         while (!stack.empty()) {
-            const Visit visit = stack.back();
-            stack.pop_back();
-            const Node& node = nodes_[visit.node];
-            measure.depth = std::max(measure.depth, visit.depth);
-            if (++measure.nodes % kStepsAtOnce == 0 && !add_steps(kStepsAtOnce)) return measure;
-            if (node.is_leaf()) {
-                measure.ids += node.count;
-                if (!has_ids(node)) give_up();
-                continue;
+            std::array<Pair, kPairsAtOnce> pairs;
+            const std::size_t count = std::min(stack.size(), kPairsAtOnce), left = stack.size() - count;
+            std::copy_n(stack.data() + left, count, pairs.data());
+            stack.resize(left);
+            for (const Pair& pair : std::span(pairs).first(count)) {
+                measure.depth = std::max(measure.depth, pair.depth);
+                look_at(nodes_[pair.first], pair.depth, measure, stack);
+                look_at(nodes_[pair.first + 1], pair.depth, measure, stack);
             }
-            if (!has_children(node)) {
-                give_up();
-                return measure;
-            }
-            for (const std::uint32_t child : {node.first + 1, node.first}) {
-                stack.push_back({child, visit.depth + 1});
-                if (!nodes_[child].is_leaf() && has_children(nodes_[child])) prefetch(&nodes_[nodes_[child].first]);
-            }
+            measure.nodes += 2 * count;
+            if (measure.nodes - added < kStepsAtOnce) continue;
+            if (!add_steps(measure.nodes - added)) return measure;
+            added = measure.nodes;
         }
-        add_steps(measure.nodes % kStepsAtOnce);
+        add_steps(measure.nodes - added);
         return measure;
+    }
+
+    void look_at(const Node& node, std::uint32_t depth, Measure& measure, std::vector<Pair>& stack) {
+        if (node.is_leaf()) {
+            measure.ids += node.count;
+            if (!has_ids(node)) give_up();
+        } else if (has_children(node)) {
+            prefetch(&nodes_[node.first]);
+            mark_children(node);
+            stack.push_back({node.first, depth + 1});
+        } else {
+            give_up();
+        }
     }
 
     /// False where some task has met a fault. More steps than there are nodes are one.
@@ -165,6 +182,7 @@ private:
 
     const Bvh& bvh_;
     const Node* nodes_;
+    std::atomic<std::uint8_t>* pairs_;
     std::vector<Open> top_;
     std::atomic<bool> has_fault_ = false;
     std::atomic<std::uint64_t> steps_ = 0;
@@ -174,12 +192,14 @@ private:
 
 }  // namespace
 
+std::optional<TreeParts> find_parts(const Bvh& bvh, std::atomic<std::uint8_t>* pairs) {
+    return PartFinder(bvh, pairs).find();
+}
+
 DepthFirst::DepthFirst(const Bvh& bvh) {
-    PartFinder finder(bvh);
-    parts_ = finder.find();
-    depth_ = finder.depth();
-    node_count_ = parts_[0].node_count;
-    id_count_ = parts_[0].id_count;
+    std::optional<TreeParts> found = find_parts(bvh);
+    if (!found) reject_tree(bvh);
+    tree_ = std::move(*found);
 }
 
 }  // namespace clbvh::layout

@@ -23,7 +23,7 @@ struct CLBVH_NO_EXPORT BinaryTracer::State {
     State(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options)
         : triangle_test(options.triangle_test),
           arena(arena_size_for(options)),
-          depth(layout::check_tree(bvh, mesh)),
+          depth(arena.execute([&] { return layout::check_tree(bvh, mesh); })),
           nodes(bvh.nodes),
           triangles(arena.execute([&] { return copy_triangles(bvh, mesh); })) {}
 

@@ -2,12 +2,16 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <limits>
+#include <string>
 #include <vector>
 
 #include "clbvh/builder.hpp"
 #include "clbvh/io/scene.hpp"
 #include "clbvh/trace/binary_tracer.hpp"
 #include "clbvh/trace/tracer.hpp"
+#include "core/random.hpp"
+#include "core/tree_walk.hpp"
 #include "support/expect_error.hpp"
 #include "support/oracle/ray_oracle.hpp"
 
@@ -62,6 +66,31 @@ struct Chain {
     }
 };
 
+/// What is wrong with the nodes, by a walk in order; empty where nothing is.
+std::string fault_in_order(const Bvh& bvh) {
+    TreeWalk walk(bvh);
+    std::uint64_t references = 0;
+    while (walk.next()) {
+        references += bvh.nodes[walk.node()].count;
+        if (references > bvh.primitive_ids.size())
+            return "leaves share primitive ids, the last at " + name_node(walk.node());
+    }
+    return walk.fault();
+}
+
+/// Changes one node.
+void put_fault_in(Bvh& bvh, Random& random) {
+    const auto any_node = [&] { return random.below(static_cast<std::uint32_t>(bvh.nodes.size())); };
+    Node& node = bvh.nodes[any_node()];
+    if (node.is_leaf()) {
+        (random.below(2) == 0 ? node.first : node.count) += random.below(3) == 0 ? 1u << 31u : 1;
+    } else if (random.below(4) == 0) {
+        node.first = any_node();
+    } else {
+        node.first = any_node() & ~1u;
+    }
+}
+
 }  // namespace
 
 TEST_CASE("trees that are none are refused") {
@@ -83,6 +112,64 @@ TEST_CASE("trees that are none are refused") {
         leaf.count = 50;
     });
     expect_refusal({"there are 1 nodes"}, [](Bvh& bvh, Mesh&) { bvh.nodes.resize(1); });
+}
+
+TEST_CASE("the first of some faults in a large tree is named") {
+    const Mesh mesh = generate_scene("city", 40'000);
+    const Bvh valid = build(mesh, "median");
+    Random random(11);
+    std::size_t refused = 0;
+    for (int round = 0; round < 100; ++round) {
+        Bvh bvh = valid;
+        for (std::uint32_t faults = 1 + random.below(3); faults > 0; --faults)
+            put_fault_in(bvh, random);
+        const std::string fault = fault_in_order(bvh);
+        if (fault.empty()) {
+            CHECK_NOTHROW(BinaryTracer(bvh, mesh));
+        } else {
+            ++refused;
+            expect_error(ErrorCode::invalid_input, {"cannot be traced: " + fault + ";"},
+                         [&] { const BinaryTracer tracer(bvh, mesh); });
+        }
+    }
+    CHECK(refused > 50);
+}
+
+TEST_CASE("a node with two parents is found where all is no more than the tree") {
+    const Mesh mesh = generate_scene("city", 40'000);
+    BuildOptions options;
+    options.max_leaf_size = 1;
+    Bvh bvh = build(mesh, "median", options);
+    // One of the inner nodes with two leaves gets those of another, whose ids are as many.
+    const auto has_two_leaves = [&](const Node& node) {
+        return !node.is_leaf() && bvh.nodes[node.first].is_leaf() && bvh.nodes[node.first + 1].is_leaf();
+    };
+    std::vector<std::size_t> found;
+    for (std::size_t i = 2; i < bvh.nodes.size(); ++i)
+        if (has_two_leaves(bvh.nodes[i])) found.push_back(i);
+    REQUIRE(found.size() > 1000);
+    bvh.nodes[found.back()].first = bvh.nodes[found.front()].first;
+    expect_error(ErrorCode::invalid_input, {"have another parent"}, [&] { const BinaryTracer tracer(bvh, mesh); });
+}
+
+TEST_CASE("the first of several primitives out of range is named") {
+    Mesh mesh = generate_scene("city", 40'000);
+    Bvh bvh = build(mesh, "median");
+    bvh.primitive_ids[39'000] = 40'000;
+    mesh.triangles[bvh.primitive_ids[38'000]][2] = 1u << 31u;
+    const std::string triangle = "triangle " + std::to_string(bvh.primitive_ids[38'000]) + " has vertex";
+    expect_error(ErrorCode::invalid_input, {triangle}, [&] { const Tracer tracer(bvh, mesh); });
+    bvh.primitive_ids[37'000] = 50'000;
+    expect_error(ErrorCode::invalid_input, {"primitive 50000"}, [&] { const Tracer tracer(bvh, mesh); });
+}
+
+TEST_CASE("a vertex out of range in a triangle that is not in the tree does no harm") {
+    Mesh mesh = generate_scene("city", 1000);
+    mesh.vertices.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
+    mesh.triangles.push_back({0, 1, static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
+    const Bvh bvh = build(mesh, "median");
+    mesh.triangles.back()[2] = 1u << 31u;
+    CHECK_NOTHROW(Tracer(bvh, mesh));
 }
 
 TEST_CASE("a tree may be a single leaf, without the unused node beside it") {
