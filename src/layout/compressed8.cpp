@@ -11,12 +11,12 @@
 
 #include "clbvh/core/error.hpp"
 #include "core/primitive_access.hpp"
-#include "core/simd/float4.hpp"
 #include "core/simd/prefetch.hpp"
 #include "layout/check_tree.hpp"
+#include "layout/compressed8_grid.hpp"
+#include "layout/compressed8_triangle.hpp"
 #include "layout/make_in_arena.hpp"
 #include "layout/opening.hpp"
-#include "layout/quantized_boxes.hpp"
 
 namespace clbvh {
 namespace {
@@ -75,22 +75,11 @@ public:
                 for (std::size_t corner = 0; corner < 3; ++corner)
                     prefetch(triangles_.vertex(triangles_.index(primitives[i + kAhead], corner)));
             }
-            target[leaves_.first_triangle + i] = make_triangle(primitives[i]);
+            target[leaves_.first_triangle + i] = make_triangle(triangles_, primitives[i]);
         }
     }
 
 private:
-    [[nodiscard]] Compressed8Triangle make_triangle(std::uint32_t primitive) const {
-        const TriangleBoxes access{triangles_};
-        const Vec3 v0 = access.corner(primitive, 0), v1 = access.corner(primitive, 1), v2 = access.corner(primitive, 2);
-        return {{v2.x - v0.x, v2.y - v0.y, v2.z - v0.z},
-                0,
-                {v1.x - v0.x, v1.y - v0.y, v1.z - v0.z},
-                0,
-                {v0.x, v0.y, v0.z},
-                primitive};
-    }
-
     void write_node(const OpenedNode<8>& opened, Compressed8Node& node) const {
         node.inner_mask = 0;
         node.first_child = 0;
@@ -119,41 +108,10 @@ private:
 
     void write_boxes(const OpenedNode<8>& opened, Compressed8Node& node) const {
         std::array<Node, 8> parts;
-        std::array<const Node*, 8> sources;
-        std::uint32_t some = 0;  // a slot with a child, whose box stands in for those of slots without one
-        while (opened.nodes[some] == kNone)
-            ++some;
+        std::array<const Node*, 8> boxes;
         for (std::uint32_t slot = 0; slot < 8; ++slot)
-            sources[slot] = source_of(opened, opened.nodes[slot] == kNone ? some : slot, parts[slot]);
-        std::array<AxisBounds, 3> bounds;
-        gather(sources, bounds);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const QuantizedAxis quantized = quantize(bounds[axis]);
-            node.origin[axis] = quantized.origin;
-            node.exponent[axis] = quantized.exponent;
-            for (std::uint32_t slot = 0; slot < 8; ++slot) {
-                const auto mask = static_cast<std::uint8_t>(opened.nodes[slot] == kNone ? 0 : 0xFF);
-                node.lower[axis][slot] = quantized.lower[slot] & mask;
-                node.upper[axis][slot] = quantized.upper[slot] & mask;
-            }
-        }
-    }
-
-    static void gather(const std::array<const Node*, 8>& sources, std::array<AxisBounds, 3>& bounds) {
-        const auto gather_side = [&](std::size_t begin, auto corner_of, auto side) {
-            Float4 a = Float4::load(corner_of(*sources[begin])), b = Float4::load(corner_of(*sources[begin + 1]));
-            Float4 c = Float4::load(corner_of(*sources[begin + 2])), d = Float4::load(corner_of(*sources[begin + 3]));
-            Float4::transpose(a, b, c, d);
-            a.store((bounds[0].*side).data() + begin);
-            b.store((bounds[1].*side).data() + begin);
-            c.store((bounds[2].*side).data() + begin);
-        };
-        for (const std::size_t begin : {std::size_t{0}, std::size_t{4}}) {
-            gather_side(
-                begin, [](const Node& node) { return node.lower; }, &AxisBounds::lower);
-            gather_side(
-                begin, [](const Node& node) { return node.upper; }, &AxisBounds::upper);
-        }
+            boxes[slot] = opened.nodes[slot] == kNone ? nullptr : source_of(opened, slot, parts[slot]);
+        write_grid(boxes, node);
     }
 
     /// The node of the binary tree whose box a child has; for a part of a large leaf `part`, with the box of what is of

@@ -1,19 +1,15 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <string>
 
-#include "clbvh/core/error.hpp"
 #include "clbvh/layout/wide.hpp"
-#include "core/arena_size.hpp"
-#include "core/check_field.hpp"
 #include "core/primitive_access.hpp"
 #include "core/simd/float4.hpp"
 #include "layout/block_writer.hpp"
+#include "layout/refit_in_arena.hpp"
 
 namespace clbvh::layout {
 namespace {
@@ -106,32 +102,17 @@ void run_refit(WideLayout<Width>& layout, const MeshView& mesh) {
     refit_inner_children(layout.nodes);
 }
 
-template <std::uint32_t Width>
-void check_and_refit(WideLayout<Width>& layout, const MeshView& mesh, const LayoutOptions& options) {
-    check_range("thread_count", options.thread_count, 0, 1024);
-    if (mesh.triangle_count != layout.primitive_count) {
-        throw Error(ErrorCode::invalid_input,
-                    "the layout is over " + std::to_string(layout.primitive_count) + " triangles, but the mesh has " +
-                        std::to_string(mesh.triangle_count) + "; give the mesh that it was made over, moved");
-    }
-    tbb::task_arena arena(arena_size(options.thread_count));
-    arena.execute([&] {
-        if (options.check) static_cast<void>(check_mesh(mesh));
-        run_refit(layout, mesh);
-    });
-}
-
 }  // namespace
 }  // namespace clbvh::layout
 
 namespace clbvh {
 
 void refit(Wide8& layout, const MeshView& mesh, const LayoutOptions& options) {
-    layout::check_and_refit(layout, mesh, options);
+    layout::refit_in_arena(layout, mesh, options, [&] { layout::run_refit(layout, mesh); });
 }
 
 void refit(Wide4& layout, const MeshView& mesh, const LayoutOptions& options) {
-    layout::check_and_refit(layout, mesh, options);
+    layout::refit_in_arena(layout, mesh, options, [&] { layout::run_refit(layout, mesh); });
 }
 
 }  // namespace clbvh

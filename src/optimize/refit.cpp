@@ -13,8 +13,8 @@
 #include "clbvh/optimize/refit.hpp"
 #include "core/exact_areas.hpp"
 #include "core/memory_errors.hpp"
+#include "core/merge_primitives.hpp"
 #include "core/negative_zero.hpp"
-#include "core/primitive_access.hpp"
 #include "core/simd/box4.hpp"
 #include "core/simd/prefetch.hpp"
 #include "metrics/check_costs.hpp"
@@ -44,42 +44,6 @@ struct Sums {
         after += other.after;
         costs += other.costs;
         fits_plan = fits_plan && other.fits_plan;
-    }
-};
-
-/// How a pass reads primitives: it merges one into a box, and fetches what it will read.
-template <typename Triangles>
-struct MergeTriangles {
-    Triangles triangles;
-
-    void merge_into(Box4& box, std::uint32_t triangle) const noexcept {
-        for (std::size_t corner = 0; corner < 3; ++corner)
-            box.merge(vertex(triangles.index(triangle, corner)));
-    }
-    void prefetch_of(std::uint32_t triangle) const noexcept { prefetch(triangles.indices_of(triangle)); }
-
-private:
-    /// A vertex takes three words. The fourth that is read belongs to the next one.
-    [[nodiscard]] Float4 vertex(std::uint64_t index) const noexcept {
-        const float* const v = triangles.vertex(index);
-        return index + 1 < triangles.vertex_count ? Float4::load(v) : Float4::of(v[0], v[1], v[2]);
-    }
-};
-template <typename Triangles>
-MergeTriangles(Triangles) -> MergeTriangles<Triangles>;
-
-struct MergeBoxes {
-    BoxView boxes;
-
-    void merge_into(Box4& box, std::uint32_t index) const noexcept {
-        const float* const corners = corners_of(index);
-        box.merge({Float4::load(corners), Float4::of(corners[3], corners[4], corners[5])});
-    }
-    void prefetch_of(std::uint32_t index) const noexcept { prefetch(corners_of(index)); }
-
-private:
-    [[nodiscard]] const float* corners_of(std::uint32_t index) const noexcept {
-        return view_detail::element<float>(boxes.boxes, index, boxes.stride);
     }
 };
 
@@ -262,11 +226,7 @@ RefitStats Refitter::refit(Bvh& tree, const Primitives& primitives, const SahCos
         }
         optimizer::check_same_primitives(tree, primitives);
         if (tree.empty()) return RefitStats{};
-        if (const auto* const boxes = std::get_if<BoxView>(&primitives))
-            return state_->run(Pass(tree, MergeBoxes{*boxes}, costs));
-        return with_triangles(std::get<MeshView>(primitives), [&](const auto& triangles) {
-            return state_->run(Pass(tree, MergeTriangles{triangles}, costs));
-        });
+        return with_merging(primitives, [&](const auto& reader) { return state_->run(Pass(tree, reader, costs)); });
     });
 }
 

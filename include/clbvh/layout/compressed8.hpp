@@ -121,6 +121,19 @@ struct Compressed8 {
 CLBVH_API void make_layout(const Bvh& bvh, const MeshView& mesh, Compressed8& result,
                            const LayoutOptions& options = {});
 
+/// Gives a layout the triangles of a mesh that has moved, and the boxes that these ask for, on new grids, in place and
+/// with all threads; its structure stays. O(n) time, 32 bytes a node of other memory. No ray may be traced through it
+/// meanwhile.
+///
+/// Children stay in the slots that were theirs when the layout was made: where they have moved to the other side of
+/// each other, rays still find all that is there, but no longer go from near to far. `mesh` has as many triangles as
+/// the one that the layout was made over. Leaves get the boxes of whole triangles, also where references were split.
+/// What is NaN is left out of the boxes, and a triangle with a NaN is never hit. Boxes only get worse from frame to
+/// frame: see docs/layouts.md for when to build anew. Throws what check_mesh throws (unless `options` trust the mesh),
+/// Error(invalid_input) for a mesh with another number of triangles, and Error(out_of_memory); the layout is as it was
+/// after the first two.
+CLBVH_API void refit(Compressed8& layout, const MeshView& mesh, const LayoutOptions& options = {});
+
 /// Proves that the layout is a tree over the mesh: every byte as documented, every active triangle in one leaf (or,
 /// with split references, covered by its leaves), inactive ones in none, and every exact box around all that is below.
 /// Throws Error(invalid_input) naming the first offender. Never reads out of range. O(n) time and memory, and for split

@@ -71,6 +71,17 @@ struct PairLayout {
 /// Error(out_of_memory). `result` is then empty.
 CLBVH_API void make_layout(const Bvh& bvh, PairLayout& result, const LayoutOptions& options = {});
 
+/// Gives a layout the boxes that its primitives, triangles or boxes, ask for where they are now, in place and with all
+/// threads; its structure stays. The bytes are those of make_layout of the tree after clbvh::refit. O(n) time. No ray
+/// may be traced through it meanwhile.
+///
+/// `primitives` are as many as the layout was made over. Leaves get the boxes of whole primitives, also where
+/// references were split. What is NaN is left out of the boxes. Boxes only get worse from frame to frame: see
+/// docs/layouts.md for when to build anew.
+/// Throws what check_primitives throws (unless `options` trust the primitives), and Error(invalid_input) for another
+/// number of them; the layout is then as it was. Throws Error(out_of_memory), with some boxes old and some new.
+CLBVH_API void refit(PairLayout& layout, const Primitives& primitives, const LayoutOptions& options = {});
+
 /// Proves that the layout is a tree over the primitives: children and ranges as documented, every active primitive in
 /// one leaf (or, with split references, covered by its leaves), inactive ones in none, and every box around all that is
 /// below. Throws Error(invalid_input) naming the first offender. Never reads out of range. O(n) time and memory, and
