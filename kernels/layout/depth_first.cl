@@ -25,7 +25,7 @@
 #if LANE_SHAPE
 #define SUBTREE_NODES 512
 #else
-#define SUBTREE_NODES 8
+#define SUBTREE_NODES 32
 #endif
 #endif
 
