@@ -2,10 +2,12 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "clbvh/core/aabb.hpp"
 #include "core/simd/box4.hpp"
+#include "layout/lanes.hpp"
 
 namespace clbvh::layout {
 
@@ -20,15 +22,14 @@ public:
     /// boxes[0 .. count) are the children's.
     OctantSlots(const std::array<Box4, 8>& boxes, std::uint32_t count) {
         child_in_.fill(kNoChild);
-        taken_.fill(kNegativeInfinity);
         Box4 all;
         for (std::uint32_t child = 0; child < count; ++child)
             all.merge(boxes[child]);
         const Float4 centre = all.doubled_centroid();
-        for (std::uint32_t begin = 0; begin < 8; begin += 4)
-            want_octants(boxes.data() + begin, centre, begin);
+        for (std::uint32_t half = 0; half < 2; ++half)
+            want_octants(boxes.data() + std::size_t{4} * half, centre, half);
         for (std::uint32_t child = count; child < 8; ++child)
-            costs_[child] = kPositiveInfinity;
+            raise(costs_, child, kPositiveInfinity);
         for (std::uint32_t left = count; left > 0;)
             left -= give_slot() ? 1 : 0;
     }
@@ -43,8 +44,18 @@ private:
         return min(max(x, Float4::filled(-most)), Float4::filled(most));
     }
 
+    /// In two vectors that stay in registers: a load of what was just stored in parts would have to wait for it.
+    using Floats8 = std::array<Float4, 2>;
+
+    /// To `value` in one lane, which has no more than that.
+    static void raise(Floats8& lanes, std::uint32_t lane, float value) noexcept {
+        for (std::uint32_t half = 0; half < 2; ++half)
+            lanes[half] = max(lanes[half], min(Float4::filled(value), lane_of_eight(lane, half)));
+    }
+
     /// Four children, without a look at the others: each wants the slot of the side that it is on.
-    void want_octants(const Box4* boxes, Float4 centre, std::uint32_t begin) {
+    void want_octants(const Box4* boxes, Float4 centre, std::uint32_t half) {
+        const std::uint32_t begin = 4 * half;
         Float4 x = boxes[0].doubled_centroid() - centre, y = boxes[1].doubled_centroid() - centre;
         Float4 z = boxes[2].doubled_centroid() - centre, w = boxes[3].doubled_centroid() - centre;
         Float4::transpose(x, y, z, w);
@@ -54,7 +65,7 @@ private:
         x.store(x_.data() + begin);
         y.store(y_.data() + begin);
         z.store(z_.data() + begin);
-        ((min(x, x.negated()) + min(y, y.negated())) + min(z, z.negated())).store(costs_.data() + begin);
+        costs_[half] = (min(x, x.negated()) + min(y, y.negated())) + min(z, z.negated());
         const Float4 zero = Float4::filled(0.0f);
         const std::uint32_t above_x = less(zero, x).bits(), above_y = less(zero, y).bits(),
                             above_z = less(zero, z).bits();
@@ -65,15 +76,15 @@ private:
     /// To the child with the least cost, if the slot that it wants is free; else it wants another. Costs only rise as
     /// slots are taken, so that the least is never one that has to rise.
     bool give_slot() {
-        const std::uint32_t child = first_least(Float4::load(costs_.data()), Float4::load(costs_.data() + 4));
+        const std::uint32_t child = first_least(costs_[0], costs_[1]);
         const std::uint32_t slot = slots_[child];
         if (child_in_[slot] != kNoChild) {
             want_free_slot(child);
             return false;
         }
         child_in_[slot] = static_cast<std::uint8_t>(child);
-        taken_[slot] = kPositiveInfinity;
-        costs_[child] = kPositiveInfinity;
+        raise(taken_, slot, kPositiveInfinity);
+        raise(costs_, child, kPositiveInfinity);
         return true;
     }
 
@@ -81,15 +92,16 @@ private:
         alignas(16) static constexpr std::array<float, 8> sign_x = {1, 1, 1, 1, -1, -1, -1, -1};
         alignas(16) static constexpr std::array<float, 8> sign_y = {1, 1, -1, -1, 1, 1, -1, -1};
         alignas(16) static constexpr std::array<float, 8> sign_z = {1, -1, 1, -1, 1, -1, 1, -1};
-        const auto costs_from = [&](std::size_t begin) {
+        const auto costs_of = [&](std::uint32_t half) {
+            const std::size_t begin = std::size_t{4} * half;
             const Float4 x = Float4::filled(x_[child]) * Float4::load(sign_x.data() + begin);
             const Float4 y = Float4::filled(y_[child]) * Float4::load(sign_y.data() + begin);
             const Float4 z = Float4::filled(z_[child]) * Float4::load(sign_z.data() + begin);
-            return max((x + y) + z, Float4::load(taken_.data() + begin));
+            return max((x + y) + z, taken_[half]);
         };
-        const Float4 low = costs_from(0), high = costs_from(4);
+        const Float4 low = costs_of(0), high = costs_of(1);
         slots_[child] = first_least(low, high);
-        costs_[child] = min(low, high).least();
+        raise(costs_, child, min(low, high).least());
     }
 
     /// Lanes 0 .. 3 are `low`, 4 .. 7 `high`; none is NaN.
@@ -102,8 +114,9 @@ private:
     std::array<std::uint8_t, 8> child_in_;
     std::array<std::uint32_t, 8> slots_;          ///< That each child wants.
     alignas(16) std::array<float, 8> x_, y_, z_;  ///< Of each child, from the node's centre, doubled.
-    alignas(16) std::array<float, 8> costs_;      ///< Of the slot for the child; infinite where it has got one.
-    alignas(16) std::array<float, 8> taken_;      ///< Infinite for slots that are taken, else minus infinite.
+    Floats8 costs_;                               ///< Of the slot for the child; infinite where it has got one.
+    /// Infinite for slots that are taken, else minus infinite.
+    Floats8 taken_ = {Float4::filled(kNegativeInfinity), Float4::filled(kNegativeInfinity)};
 };
 
 }  // namespace clbvh::layout

@@ -15,6 +15,7 @@
 #include "clbvh/layout/make_layout.hpp"
 #include "core/simd/float4.hpp"
 #include "core/simd/prefetch.hpp"
+#include "layout/lanes.hpp"
 #include "layout/least_cost_opening.hpp"
 #include "layout/octant_slots.hpp"
 #include "layout/opening_rules.hpp"
@@ -101,7 +102,7 @@ private:
     };
 
     std::uint32_t open_node(std::uint32_t node) {
-        open_area_.fill(1.0f);
+        open_area_.fill(Float4::filled(1.0f));
         area_.fill(-1.0f);
         if (node == 0 && is_small_root()) return 1;
         if (plan_ != nullptr) return take_planned(node, Width, 0);
@@ -151,15 +152,19 @@ private:
         node_[slot] = index;
         first_[slot] = node.first;
         count_[slot] = node.count;
-        open_area_[slot] = 1.0f;
+        float open_area = 1.0f;
         if (node.is_leaf()) {
             kind_[slot] = node.count > Rules::MaxLeaf ? Kind::large_leaf : Kind::leaf;
         } else if (may_join(index) && join(node.first, joined_[slot])) {
             kind_[slot] = Kind::joined;
         } else {
             kind_[slot] = Kind::inner;
-            open_area_[slot] = -area_[slot];
+            open_area = -area_[slot];
             prefetch_below_pair(node.first);
+        }
+        for (std::uint32_t part = 0; part < open_area_.size(); ++part) {
+            open_area_[part] = select(less(Float4::filled(0.0f), lane_of_eight(slot, part)), Float4::filled(open_area),
+                                      open_area_[part]);
         }
     }
 
@@ -197,13 +202,13 @@ private:
 
     /// Of the children that can be opened. False where there is none.
     [[nodiscard]] CLBVH_ALWAYS_INLINE bool find_largest(std::uint32_t& largest) const {
-        Float4 most = Float4::load(open_area_.data());
-        for (std::uint32_t begin = 4; begin < Width; begin += 4)
-            most = min(most, Float4::load(open_area_.data() + begin));
+        Float4 most = open_area_[0];
+        for (std::uint32_t part = 1; part < open_area_.size(); ++part)
+            most = min(most, open_area_[part]);
         const float area = most.least();
         std::uint32_t same = 0;
-        for (std::uint32_t begin = 0; begin < Width; begin += 4)
-            same |= equal(Float4::load(open_area_.data() + begin), Float4::filled(area)).bits() << begin;
+        for (std::uint32_t part = 0; part < open_area_.size(); ++part)
+            same |= equal(open_area_[part], Float4::filled(area)).bits() << 4 * part;
         largest = static_cast<std::uint32_t>(std::countr_zero(same));
         return area <= 0.0f;
     }
@@ -280,8 +285,10 @@ private:
     Piece<Width>& piece_;
     const LeastCostOpening<Rules>* plan_;
     // Of the children of the node at hand.
-    alignas(32) std::array<float, Width> area_;       ///< Half areas; -1 where there is no child.
-    alignas(32) std::array<float, Width> open_area_;  ///< Less the same of those that can be opened; else 1.
+    alignas(32) std::array<float, Width> area_;  ///< Half areas; -1 where there is no child.
+    /// Less the same of those that can be opened; else 1. In vectors: a load of what was just stored in parts would
+    /// have to wait for it.
+    std::array<Float4, Width / 4> open_area_;
     std::array<std::uint32_t, Width> node_, first_, count_;
     std::array<Kind, Width> kind_;
     std::array<Places, Width> joined_;
