@@ -13,11 +13,16 @@ namespace {
 
 __extension__ typedef __int128 Wide;  // NOLINT(modernize-use-using): clang takes no other
 
-/// `value` * 2^85, exactly. It is 0 or from 2^-61 to below 2^40.
+/// `value` * 2^85, exactly, where it is 0 or from 2^-61 to below 2^40. All else is a step of a grid over no extent:
+/// less than any difference, and more than 0.
 Wide scaled(double value) {
     int exponent = 0;
     const auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(value, &exponent), 24));
-    return value == 0.0 ? Wide{0} : Wide{mantissa} * (Wide{1} << (exponent - 24 + 85));
+    const int shift = exponent - 24 + 85;
+    if (value == 0.0) return 0;
+    if (shift >= 0) return Wide{mantissa} * (Wide{1} << shift);
+    REQUIRE((value > 0.0 && exponent < -85));
+    return 1;
 }
 
 Wide plane(const QuantizedAxis& axis, int q) {
