@@ -1,5 +1,6 @@
 #include "bench/first_ray_scene.hpp"
 
+#include <algorithm>
 #include <clbvh/builder.hpp>
 #include <clbvh/eval/ray_sets.hpp>
 #include <clbvh/trace/tracer.hpp>
@@ -24,6 +25,15 @@ public:
 
     void closest(std::span<const Ray> rays, std::span<Hit> hits) override { tracer().closest(rays, hits); }
     void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) override { tracer().any(rays, is_hit); }
+    void closest_singly(std::span<const Ray> rays, std::span<Hit> hits) override {
+        std::transform(rays.begin(), rays.end(), hits.begin(),
+                       [this](const Ray& ray) { return tracer_->closest(ray); });
+    }
+    void any_singly(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) override {
+        std::transform(rays.begin(), rays.end(), is_hit.begin(),
+                       [this](const Ray& ray) -> std::uint8_t { return tracer_->any(ray) ? 1 : 0; });
+    }
+    [[nodiscard]] bool has_span_calls() const noexcept override { return true; }
 
 protected:
     void build_and_trace() override {

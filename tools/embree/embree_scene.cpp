@@ -54,6 +54,9 @@ public:
             is_hit[i] = ray.tfar < 0.0f ? 1 : 0;
         }
     }
+    void closest_singly(std::span<const Ray> rays, std::span<Hit> hits) override { closest(rays, hits); }
+    void any_singly(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) override { any(rays, is_hit); }
+    [[nodiscard]] bool has_span_calls() const noexcept override { return false; }
 
 protected:
     void build_and_trace() override {

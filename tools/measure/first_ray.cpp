@@ -1,6 +1,7 @@
 #include "measure/first_ray.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "cli/interrupt.hpp"
 #include "cli/stopwatch.hpp"
@@ -11,19 +12,31 @@ namespace {
 /// One way in which rays are asked, and where the time goes.
 struct Question {
     std::span<const Ray> rays;
-    bool any;
+    bool any, singly;
     std::optional<double> FirstRayResult::*nanoseconds;
 };
 
 double milliseconds(FirstRayContestant& entrant, const Question& question, std::vector<Hit>& hits,
                     std::vector<std::uint8_t>& is_hit) {
     const Stopwatch stopwatch;
+    const std::span<Hit> closest = std::span(hits).first(question.rays.size());
+    const std::span<std::uint8_t> any = std::span(is_hit).first(question.rays.size());
     if (question.any) {
-        entrant.any(question.rays, std::span(is_hit).first(question.rays.size()));
+        question.singly ? entrant.any_singly(question.rays, any) : entrant.any(question.rays, any);
     } else {
-        entrant.closest(question.rays, std::span(hits).first(question.rays.size()));
+        question.singly ? entrant.closest_singly(question.rays, closest) : entrant.closest(question.rays, closest);
     }
     return stopwatch.milliseconds();
+}
+
+std::array<Question, 6> questions(std::span<const Ray> primary, std::span<const Ray> diffuse) {
+    using Result = FirstRayResult;
+    return {{{primary, false, false, &Result::primary_ns},
+             {primary, false, true, &Result::primary_single_ns},
+             {diffuse, false, false, &Result::closest_ns},
+             {diffuse, false, true, &Result::closest_single_ns},
+             {diffuse, true, false, &Result::any_ns},
+             {diffuse, true, true, &Result::any_single_ns}}};
 }
 
 }  // namespace
@@ -49,22 +62,23 @@ void trace_entrants(const FirstRayEntrants& entrants, std::span<const Ray> prima
                     std::size_t runs, std::span<FirstRayResult> results) {
     std::vector<Hit> hits(std::max(primary.size(), diffuse.size()));
     std::vector<std::uint8_t> is_hit(hits.size());
-    for (const Question& question :
-         {Question{primary, false, &FirstRayResult::primary_ns}, Question{diffuse, false, &FirstRayResult::closest_ns},
-          Question{diffuse, true, &FirstRayResult::any_ns}}) {
+    for (const Question& question : questions(primary, diffuse)) {
         if (question.rays.empty()) continue;
         std::vector<std::vector<double>> times(entrants.size());
         for (std::size_t round = 0; round <= runs; ++round) {
             for (std::size_t k = 0; k < entrants.size(); ++k) {
                 throw_if_interrupted();
                 const std::size_t i = (round + k) % entrants.size();
+                if (question.singly && !entrants[i]->has_span_calls()) continue;
                 const double time = milliseconds(*entrants[i], question, hits, is_hit);
                 if (round > 0) times[i].push_back(time);
             }
         }
-        for (std::size_t i = 0; i < entrants.size(); ++i)
+        for (std::size_t i = 0; i < entrants.size(); ++i) {
+            if (times[i].empty()) continue;
             results[i].*question.nanoseconds =
                 summarize(times[i]).median * 1e6 / static_cast<double>(question.rays.size());
+        }
     }
 }
 

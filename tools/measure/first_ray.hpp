@@ -24,8 +24,11 @@ struct FirstRayResult {
     double cold_ms = 0.0;            ///< The first time, with all that has to be made once.
     Sample first_ray_ms;             ///< Milliseconds, of the times behind it.
     std::vector<StageStats> stages;  ///< Of the last time; a peer has none.
-    std::optional<double> primary_ns, closest_ns,
-        any_ns;                                ///< A ray on one thread: primary, diffuse, diffuse for any hit.
+    /// A ray on one thread, asked in a span of them: primary, diffuse, diffuse for any hit. A peer's are asked one by
+    /// one.
+    std::optional<double> primary_ns, closest_ns, any_ns;
+    /// The same, each ray by a call of its own; a peer has none.
+    std::optional<double> primary_single_ns, closest_single_ns, any_single_ns;
     std::optional<double> bytes_per_triangle;  ///< Of what is traced; where it is known.
 };
 
@@ -41,6 +44,12 @@ public:
     /// On one thread, through what the last run has built.
     virtual void closest(std::span<const Ray> rays, std::span<Hit> hits) = 0;
     virtual void any(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) = 0;
+
+    /// The same, each ray by a call of its own.
+    virtual void closest_singly(std::span<const Ray> rays, std::span<Hit> hits) = 0;
+    virtual void any_singly(std::span<const Ray> rays, std::span<std::uint8_t> is_hit) = 0;
+    /// Whether those of above are of another kind.
+    [[nodiscard]] virtual bool has_span_calls() const noexcept = 0;
 
     /// Who it is, and what its runs took.
     [[nodiscard]] FirstRayResult result() const;

@@ -28,6 +28,12 @@ double ms_per_million(const FirstRayResult& result) {
                                 : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// Of a ray among many, and of a ray alone.
+std::string ray_text(const std::optional<double>& span, const std::optional<double>& single) {
+    return single ? fmt::format("{} ({})", fixed_text(or_nan(span), 1), fixed_text(*single, 1))
+                  : fixed_text(or_nan(span), 1);
+}
+
 /// The columns that scenes and means have.
 std::vector<Column<FirstRayResult>> first_ray_columns() {
     return {
@@ -35,9 +41,9 @@ std::vector<Column<FirstRayResult>> first_ray_columns() {
         {"first ray ms", [](const FirstRayResult& r) { return fixed_text(r.first_ray_ms.median, 2); }},
         {"ms/Mtri", [](const FirstRayResult& r) { return fixed_text(ms_per_million(r), 1); }},
         {"cold ms", [](const FirstRayResult& r) { return fixed_text(r.cold_ms, 1); }},
-        {"primary ns", [](const FirstRayResult& r) { return fixed_text(or_nan(r.primary_ns), 1); }},
-        {"diffuse ns", [](const FirstRayResult& r) { return fixed_text(or_nan(r.closest_ns), 1); }},
-        {"any hit ns", [](const FirstRayResult& r) { return fixed_text(or_nan(r.any_ns), 1); }},
+        {"primary ns", [](const FirstRayResult& r) { return ray_text(r.primary_ns, r.primary_single_ns); }},
+        {"diffuse ns", [](const FirstRayResult& r) { return ray_text(r.closest_ns, r.closest_single_ns); }},
+        {"any hit ns", [](const FirstRayResult& r) { return ray_text(r.any_ns, r.any_single_ns); }},
         {"bytes/tri", [](const FirstRayResult& r) { return fixed_text(or_nan(r.bytes_per_triangle), 0); }},
     };
 }
@@ -66,9 +72,12 @@ std::string first_ray_means(std::span<const FirstRayResult> results, std::size_t
         row.triangles = 1'000'000;  // times are those of a million
         row.first_ray_ms.median = mean(ms_per_million);
         row.cold_ms = mean([](const FirstRayResult& r) { return r.cold_ms; });
-        row.primary_ns = mean([](const FirstRayResult& r) { return or_nan(r.primary_ns); });
-        row.closest_ns = mean([](const FirstRayResult& r) { return or_nan(r.closest_ns); });
-        row.any_ns = mean([](const FirstRayResult& r) { return or_nan(r.any_ns); });
+        for (const auto nanoseconds :
+             {&FirstRayResult::primary_ns, &FirstRayResult::primary_single_ns, &FirstRayResult::closest_ns,
+              &FirstRayResult::closest_single_ns, &FirstRayResult::any_ns, &FirstRayResult::any_single_ns}) {
+            if (row.*nanoseconds)
+                row.*nanoseconds = mean([&](const FirstRayResult& r) { return or_nan(r.*nanoseconds); });
+        }
         row.bytes_per_triangle = mean([](const FirstRayResult& r) { return or_nan(r.bytes_per_triangle); });
     }
     return table_text(first_ray_columns(), std::span<const FirstRayResult>(means));
@@ -88,8 +97,11 @@ ordered_json to_json(std::span<const FirstRayResult> results) {
                         {"cold_ms", result.cold_ms},
                         {"stages", std::move(stages)},
                         {"primary_ns", or_null(result.primary_ns)},
+                        {"primary_single_ns", or_null(result.primary_single_ns)},
                         {"closest_ns", or_null(result.closest_ns)},
+                        {"closest_single_ns", or_null(result.closest_single_ns)},
                         {"any_ns", or_null(result.any_ns)},
+                        {"any_single_ns", or_null(result.any_single_ns)},
                         {"bytes_per_triangle", or_null(result.bytes_per_triangle)}});
     }
     return list;

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <clbvh/core/error.hpp>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -57,7 +58,8 @@ TEST_CASE("bench --first-ray: a row for each builder, and for each of Embree's s
         const ordered_json& row = results[i];
         INFO(row.dump(1));
         CHECK(keys_of(row) == std::set<std::string>{"scene", "triangles", "builder", "peer", "first_ray_ms", "cold_ms",
-                                                    "stages", "primary_ns", "closest_ns", "any_ns",
+                                                    "stages", "primary_ns", "primary_single_ns", "closest_ns",
+                                                    "closest_single_ns", "any_ns", "any_single_ns",
                                                     "bytes_per_triangle"});
         CHECK(row["builder"] == expected[i % expected.size()]);
         CHECK(row["triangles"] == (i < expected.size() ? 2000 : 500));
@@ -67,6 +69,8 @@ TEST_CASE("bench --first-ray: a row for each builder, and for each of Embree's s
         CHECK(row["first_ray_ms"]["median"].get<double>() >= row["first_ray_ms"]["min"].get<double>());
         for (const char* key : {"cold_ms", "primary_ns", "closest_ns", "any_ns"})
             CHECK(row[key].get<double>() > 0.0);
+        for (const char* key : {"primary_single_ns", "closest_single_ns", "any_single_ns"})
+            CHECK((is_peer ? row[key].is_null() : row[key].get<double>() > 0.0));
         CHECK(row["bytes_per_triangle"].is_null() == is_peer);
         if (!is_peer) CHECK(row["stages"].back()["name"] == "wide8");
     }
@@ -78,6 +82,7 @@ TEST_CASE("bench --first-ray: a table, with means where there are several scenes
     REQUIRE(outcome.exit_code == 0);
     CHECK_THAT(outcome.out, Contains("gen:city:500: 500 triangles") && Contains("first ray ms") &&
                                 Contains("geometric means over 2 scenes"));
+    CHECK(std::regex_search(outcome.out, std::regex("[0-9] [(][0-9]+[.][0-9][)]")));  // in spans (one by one)
     const Outcome empty = run_tool({"bench", "gen:soup:0", "--first-ray", "--builders", "median", "--runs", "1"});
     INFO(empty.err);
     CHECK(empty.exit_code == 0);
