@@ -293,7 +293,7 @@ bool walk_packet(const Wide8& tree, Visitor& packet, DeferredChild* const stack)
         };
         if (hits != 0) {
             *top = (hits & (hits - 1)) == 0 ? deferred(static_cast<std::uint32_t>(std::countr_zero(hits)))
-                                            : defer_all_but_nearest(hits, deferred, top);
+                                            : defer_all_but_least(hits, deferred, top);
             ++top;
         }
         for (;;) {

@@ -4,6 +4,10 @@
 
 inline constexpr std::uint32_t kWidth = 8;
 
+/// Which of the children that a ray meets goes first. Rays that end at any hit are often those which leave a surface
+/// and end far away.
+enum class ChildOrder { nearest_first, farthest_first, as_stored };
+
 /// A child whose siblings go first, and above it where the ray enters it: no entry is below 0, and so integers order
 /// children as entries do.
 using DeferredChild = std::uint64_t;
@@ -152,7 +156,7 @@ private:
 template <typename Set, typename Test>
 class ClosestBlock : public BlockVisitor<Set, Test> {
 public:
-    static constexpr bool kNearFirst = true;
+    static constexpr ChildOrder kOrder = ChildOrder::nearest_first;
 
     explicit ClosestBlock(const Ray& ray) noexcept : BlockVisitor<Set, Test>(ray), t_max_(ray.t_max) {}
 
@@ -181,7 +185,7 @@ private:
 template <typename Set, typename Test>
 class FilteredClosestBlock : public BlockVisitor<Set, Test> {
 public:
-    static constexpr bool kNearFirst = true;
+    static constexpr ChildOrder kOrder = ChildOrder::nearest_first;
 
     FilteredClosestBlock(const Ray& ray, const HitFilter& filter) noexcept
         : BlockVisitor<Set, Test>(ray), ray_(ray), filter_(filter) {}
@@ -207,7 +211,7 @@ private:
 template <typename Set, typename Test>
 class AnyBlock : public BlockVisitor<Set, Test> {
 public:
-    static constexpr bool kNearFirst = false;
+    static constexpr ChildOrder kOrder = ChildOrder::farthest_first;
 
     using BlockVisitor<Set, Test>::BlockVisitor;
 
@@ -228,7 +232,7 @@ private:
 template <typename Set, typename Test>
 class FilteredAnyBlock : public BlockVisitor<Set, Test> {
 public:
-    static constexpr bool kNearFirst = false;
+    static constexpr ChildOrder kOrder = ChildOrder::farthest_first;
 
     FilteredAnyBlock(const Ray& ray, const HitFilter& filter) noexcept
         : BlockVisitor<Set, Test>(ray), ray_(ray), filter_(filter) {}
@@ -252,7 +256,7 @@ private:
 template <typename Set, typename Test>
 class AllBlock : public BlockVisitor<Set, Test> {
 public:
-    static constexpr bool kNearFirst = false;
+    static constexpr ChildOrder kOrder = ChildOrder::as_stored;
 
     AllBlock(const Ray& ray, std::vector<Hit>& hits) noexcept : BlockVisitor<Set, Test>(ray), hits_(hits) {}
 
@@ -278,10 +282,10 @@ inline void order(DeferredChild& a, DeferredChild& b) noexcept {
     b = smaller;
 }
 
-/// Puts the children that are hit onto the stack, far ones first, save the nearest, which is returned. There are two at
-/// least. `deferred(slot)` makes what is put there.
+/// Puts the children that are hit onto the stack, greater ones first, save the least, which is returned. There are two
+/// at least. `deferred(slot)` makes what is put there.
 template <typename Deferred>
-DeferredChild defer_all_but_nearest(std::uint32_t hits, const Deferred& deferred, DeferredChild*& top) noexcept {
+DeferredChild defer_all_but_least(std::uint32_t hits, const Deferred& deferred, DeferredChild*& top) noexcept {
     const auto take = [&] {
         const auto slot = static_cast<std::uint32_t>(std::countr_zero(hits));
         hits &= hits - 1;
@@ -328,7 +332,7 @@ inline std::uint32_t defer_all_but_first(const WideNode<8>& node, std::uint32_t 
     }
 }
 
-/// Takes the ray to the blocks of all leaves whose boxes it meets, near ones first where the visitor needs them so.
+/// Takes the ray to the blocks of all leaves whose boxes it meets, in the visitor's order.
 template <typename Set, typename Visitor>
 void walk(const Wide8& tree, Visitor& visitor, DeferredChild* const stack) {
     const WideBoxTest<typename Set::Float8> box_test(visitor.slabs());
@@ -345,13 +349,15 @@ void walk(const Wide8& tree, Visitor& visitor, DeferredChild* const stack) {
                 // One child, the most frequent case, goes past the stack.
                 if ((hits & (hits - 1)) == 0) {
                     child = node.children[static_cast<std::uint32_t>(std::countr_zero(hits))];
-                } else if constexpr (Visitor::kNearFirst) {
+                } else if constexpr (Visitor::kOrder != ChildOrder::as_stored) {
                     std::array<std::uint32_t, kWidth> bits;
                     std::memcpy(bits.data(), entries.data(), sizeof bits);
                     const auto deferred = [&](std::uint32_t slot) {
-                        return DeferredChild{bits[slot]} << 32U | node.children[slot];
+                        constexpr bool reversed = Visitor::kOrder == ChildOrder::farthest_first;
+                        const std::uint32_t key = reversed ? ~bits[slot] : bits[slot];
+                        return DeferredChild{key} << 32U | node.children[slot];
                     };
-                    child = static_cast<std::uint32_t>(defer_all_but_nearest(hits, deferred, top));
+                    child = static_cast<std::uint32_t>(defer_all_but_least(hits, deferred, top));
                 } else {
                     child = defer_all_but_first(node, hits, top);
                 }
@@ -368,7 +374,7 @@ void walk(const Wide8& tree, Visitor& visitor, DeferredChild* const stack) {
         do {
             if (top == stack) return;
             --top;
-        } while (static_cast<std::uint32_t>(*top >> 32U) > reach);
+        } while (Visitor::kOrder == ChildOrder::nearest_first && static_cast<std::uint32_t>(*top >> 32U) > reach);
         child = static_cast<std::uint32_t>(*top);
     }
 }
