@@ -1,5 +1,5 @@
 # run_each(LIST PROPERTY VALUE COMMAND...): runs COMMAND in Oclgrind for each entry of LIST in what `clbvh builders --json -`
-# prints (builders, optimizers) whose PROPERTY is VALUE, with its id for @id@. Fails where Oclgrind reports anything.
+# prints (builders, optimizers) whose PROPERTY is VALUE, with its id for %id%. Fails where Oclgrind reports anything.
 include(${CMAKE_CURRENT_LIST_DIR}/oclgrind.cmake)
 
 function(run_each list property value)
@@ -13,7 +13,7 @@ function(run_each list property value)
     if(NOT found STREQUAL "${value}")
       continue()
     endif()
-    list(TRANSFORM ARGN REPLACE "^@id@$" "${id}" OUTPUT_VARIABLE command)
+    list(TRANSFORM ARGN REPLACE "^%id%$" "${id}" OUTPUT_VARIABLE command)
     run_in_oclgrind(report ${command})
     if(report)
       message("${command}:\n${report}")
