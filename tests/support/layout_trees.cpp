@@ -13,7 +13,8 @@ std::vector<MeshTree> trees_of_host_builders(const Mesh& mesh, const std::string
     std::vector<MeshTree> trees;
     for (const BuilderInfo& info : builders()) {
         if (info.kind != BuilderKind::host) continue;
-        for (const auto& [presplit, max_leaf] : {std::pair{0u, 0u}, std::pair{0u, 8u}, std::pair{14u, 0u}, std::pair{14u, 4u}}) {
+        for (const auto& [presplit, max_leaf] :
+             {std::pair{0u, 0u}, std::pair{0u, 8u}, std::pair{14u, 0u}, std::pair{14u, 4u}}) {
             BuildOptions options;
             options.presplit_level = presplit;
             options.max_leaf_size = max_leaf;
