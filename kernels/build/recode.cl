@@ -40,28 +40,32 @@ static inline ulong low_bits(uint count) {
     return count == 0 ? 0 : ~0ul >> (64 - count);
 }
 
-// How a round finds the keys, and how it leaves them.
-typedef struct {
-    uint is_active;
-    uint tie_bits;   // low bits that are no code
-    uint is_packed;  // the others are packed in this round
-} Round;
-
 // Packing pays where the bits of a run's positions leave too few for codes among the low ones: some eight cells for
 // each primitive of it.
 static inline uint is_too_long(uint longest, uint tie_bits) {
     return longest > 0 && 2 * bits_of_count(longest) + 3 > tie_bits;
 }
 
-// `state` of the round's predecessors is complete, and, where it is asked whether codes are packed, that of the round.
+// How a round finds the keys.
+typedef struct {
+    uint is_active;
+    uint tie_bits;  // low bits that are no code
+} Round;
+
+// Reads the state of the rounds before alone: that of the round itself changes while runs are found.
 static inline Round round_of(global const uint* state, uint round, uint index_bits) {
-    Round now = {1, index_bits, is_too_long(state[LONGEST], index_bits)};
-    for (uint k = 1; k <= round; ++k) {
-        now.is_active = now.is_active && now.is_packed;
-        now.tie_bits = bits_of_count(state[RECODE_STATE_WORDS * (k - 1) + LONGEST]);
-        now.is_packed = is_too_long(state[RECODE_STATE_WORDS * k + LONGEST], now.tie_bits);
+    Round now = {1, index_bits};
+    for (uint k = 0; k < round; ++k) {
+        const uint longest = state[RECODE_STATE_WORDS * k + LONGEST];
+        now.is_active = now.is_active && is_too_long(longest, now.tie_bits);
+        now.tie_bits = bits_of_count(longest);
     }
     return now;
+}
+
+// Whether keys are packed in the round, whose runs have been found.
+static inline uint packs_codes(global const uint* state, uint round, Round now) {
+    return now.is_active && is_too_long(state[RECODE_STATE_WORDS * round + LONGEST], now.tie_bits);
 }
 
 static inline uint is_same_code(global const ulong* codes, size_t i, size_t k, uint tie_bits) {
@@ -118,7 +122,7 @@ KERNEL void find_levels(global const ulong* codes, global const uint* leaf_count
                         uint round, global uint* state) {
     PIECE_OF_CODES
     const Round now = round_of(state, round, index_bits);
-    if (!now.is_active || !now.is_packed) {
+    if (!packs_codes(state, round, now)) {
         return;
     }
     ulong levels = 0;
@@ -162,7 +166,7 @@ KERNEL void pack_codes(global ulong* codes, global const uint* leaf_count_in, ui
                        uint round, global const uint* state) {
     PIECE_OF_CODES
     const Round now = round_of(state, round, index_bits);
-    if (!now.is_active || !now.is_packed) {
+    if (!packs_codes(state, round, now)) {
         return;
     }
     const ulong levels = levels_of(state, round);
@@ -203,14 +207,15 @@ KERNEL void recode_runs(global const float* boxes, uint index_bits, uint round, 
     }
     global const uint* const own = state + RECODE_STATE_WORDS * round;
     const uint run_count = own[RUN_COUNT];
-    const uint available = now.is_packed ? free_bits(levels_of(state, round)) : now.tie_bits;
+    const uint is_packed = packs_codes(state, round, now);
+    const uint available = is_packed ? free_bits(levels_of(state, round)) : now.tie_bits;
     for (uint run = (uint)get_group_id(0); run < run_count; run += (uint)get_num_groups(0)) {
         const size_t begin = runs[2 * run];
         const uint length = runs[2 * run + 1];
         global ulong* const codes = all_codes + begin;
         global uint* const ids = all_ids + begin;
         global ulong* const keys = all_keys + begin;
-        const uint tie_bits = bits_of_count(now.is_packed ? own[LONGEST] : length);
+        const uint tie_bits = bits_of_count(is_packed ? own[LONGEST] : length);
         const uint code_bits = available - tie_bits;
         const ulong prefix = codes[0] & ~low_bits(available);
         SceneBounds bounds = empty_bounds();

@@ -14,6 +14,7 @@
 //              as the depth has bits, from the beginning (Wyllie 1979, "The Complexity of Parallel Computations")
 // write_nodes  the top's nodes, and subtrees below it, each by one work item
 #include "work_group.clh"
+#include "place.clh"
 #include "aabb.clh"
 #include "between_groups.clh"
 #include "node.clh"
@@ -30,7 +31,6 @@
 #endif
 
 #define NO_PAIR 0xFFFFFFFFu
-#define AT(type, buffer, offset) ((global type*)((buffer) + (offset)))
 
 typedef struct {
     global const Node* nodes;

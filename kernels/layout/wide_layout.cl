@@ -16,6 +16,7 @@
 //   inout  nodes, whose boxes become the binary nodes', blocks, whose vertices become the mesh's
 // local  4 * WORK_GROUP_SIZE + 4 bytes
 #include "work_group.clh"
+#include "place.clh"
 #include "aabb.clh"
 #include "input.clh"
 #include "node.clh"
@@ -23,8 +24,6 @@
 #include "ray_constants.h"
 #include "open_piece.clh"
 #include "write_piece.clh"
-
-#define AT(type, buffer, offset) ((global type*)((buffer) + (offset)))
 
 static inline Opening opening_at(ScenePlace scene, global const uchar* tree, LayoutPlace place, global uchar* layout) {
     Opening opening;

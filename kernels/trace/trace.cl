@@ -17,6 +17,7 @@
 //   scratch deep_stack [deep_items * deep_capacity], deep_capacity no less than the tree has sibling pairs
 //   launch deep_items work items or more
 #include "work_group.clh"
+#include "place.clh"
 #include "layout_constants.h"
 #include "trace_constants.h"
 #include "aabb.clh"
@@ -46,8 +47,6 @@ typedef struct {
     uint has_counts;
     int is_any;
 } Output;
-
-#define AT(type, buffer, offset) ((global type*)((buffer) + (offset)))
 
 static inline Scene scene_at(ScenePlace place, global const uchar* nodes, global const uchar* primitive_ids,
                              global const uchar* vertices, global const uchar* indices, global const uchar* layout,

@@ -30,17 +30,16 @@ static_assert(sizeof(LayoutFileHeader) == 64 && offsetof(LayoutFileHeader, hash)
 /// How a kind of layouts lies in a file.
 struct KindRow {
     LayoutKind kind;
-    std::string_view name;
     std::uint32_t node_bytes;
     std::uint32_t element_bytes;
     std::string_view elements;
 };
 constexpr std::array kKinds = {
-    KindRow{LayoutKind::wide8, "wide8", sizeof(WideNode<8>), sizeof(TriangleBlock), "blocks"},
-    KindRow{LayoutKind::wide4, "wide4", sizeof(WideNode<4>), sizeof(TriangleBlock), "blocks"},
-    KindRow{LayoutKind::compressed8, "compressed8", sizeof(Compressed8Node), sizeof(Compressed8Triangle), "triangles"},
-    KindRow{LayoutKind::pair, "pair", sizeof(PairNode), sizeof(std::uint32_t), "ids"},
-    KindRow{LayoutKind::skip, "skip", sizeof(SkipNode), sizeof(std::uint32_t), "ids"},
+    KindRow{LayoutKind::wide8, sizeof(WideNode<8>), sizeof(TriangleBlock), "blocks"},
+    KindRow{LayoutKind::wide4, sizeof(WideNode<4>), sizeof(TriangleBlock), "blocks"},
+    KindRow{LayoutKind::compressed8, sizeof(Compressed8Node), sizeof(Compressed8Triangle), "triangles"},
+    KindRow{LayoutKind::pair, sizeof(PairNode), sizeof(std::uint32_t), "ids"},
+    KindRow{LayoutKind::skip, sizeof(SkipNode), sizeof(std::uint32_t), "ids"},
 };
 
 /// What a layout holds beside its nodes.
@@ -93,6 +92,10 @@ LayoutFileHeader read_header(io::BinaryReader& reader) {
     reader.check_reserved(header.zero);
     reader.check_arrays({nodes, elements});
     reader.check_primitive_count(header.primitive_count);
+    if (header.depth > header.node_count) {
+        reader.fail("a depth of " + std::to_string(header.depth) + ", above its " + std::to_string(header.node_count) +
+                    " nodes");
+    }
     return header;
 }
 
@@ -117,10 +120,6 @@ void read(const std::filesystem::path& path, LayoutKind kind, Layout& result) {
 }
 
 }  // namespace
-
-std::string_view to_string(LayoutKind kind) noexcept {
-    return std::ranges::find(kKinds, kind, &KindRow::kind)->name;
-}
 
 void write_layout(const Wide8& layout, const std::filesystem::path& path) {
     write(layout, LayoutKind::wide8, path);

@@ -46,7 +46,7 @@ void name_primitive(const Bvh& bvh, const MeshView& mesh) {
 }
 
 /// Throws for the first node, in traversal order, for which the tree is none.
-void name_node_with_fault(const Bvh& bvh) {
+[[noreturn]] void name_node_with_fault(const Bvh& bvh) {
     TreeWalk walk(bvh);
     std::uint64_t references = 0;
     while (walk.next()) {
@@ -54,7 +54,7 @@ void name_node_with_fault(const Bvh& bvh) {
         if (references > bvh.primitive_ids.size())
             reject("leaves share primitive ids, the last at " + name_node(walk.node()));
     }
-    if (walk.failed()) reject(walk.fault());
+    reject(walk.failed() ? walk.fault() : "its nodes are no tree");
 }
 
 /// True where `is_wrong` of any number below `count` is, in parallel.
@@ -107,7 +107,7 @@ std::uint32_t check_tree(const Bvh& bvh, const MeshView& mesh) {
     if (bvh.empty()) return 0;
     const std::optional<std::uint32_t> depth = find_depth(bvh);
     if (!depth) name_node_with_fault(bvh);
-    return depth.value();
+    return *depth;
 }
 
 }  // namespace clbvh::layout

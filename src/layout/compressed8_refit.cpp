@@ -107,9 +107,16 @@ private:
             if (place >= kTrianglesAhead) reader.prefetch_vertices_of(written_[place - kTrianglesAhead].primitive);
             const std::uint32_t primitive = written_[place].primitive;
             reader.merge_into(box, primitive);
-            written_[place] = make_triangle(triangles_, primitive);
+            move_triangle(written_[place], make_triangle(triangles_, primitive));
         }
         return without_negative_zeros(box);
+    }
+
+    /// All but the primitive, which other tasks read ahead of their own triangles.
+    static void move_triangle(Compressed8Triangle& triangle, const Compressed8Triangle& moved) {
+        triangle.edge2 = moved.edge2;
+        triangle.edge1 = moved.edge1;
+        triangle.vertex0 = moved.vertex0;
     }
 
     /// Slots with something that has no box, of NaNs alone, get one that no ray meets.

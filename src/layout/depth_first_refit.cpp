@@ -59,9 +59,9 @@ class SkipNodes {
 public:
     SkipNodes(SkipNode* nodes, const Leaves& leaves) : nodes_(nodes), leaves_(leaves) {}
 
-    /// 0 for a leaf.
+    [[nodiscard]] bool is_leaf(std::uint32_t i) const noexcept { return nodes_[i].is_leaf(); }
+    /// Of an inner node. Reads the node behind it.
     [[nodiscard]] std::uint32_t second_child(std::uint32_t i) const noexcept {
-        if (nodes_[i].is_leaf()) return 0;
         return nodes_[i + 1].is_leaf() ? i + 2 : nodes_[i + 1].link;
     }
     [[nodiscard]] Box4 fit_leaf(std::uint32_t i) const {
@@ -88,6 +88,7 @@ class PairNodes {
 public:
     PairNodes(PairNode* nodes, const Leaves& leaves) : nodes_(nodes), leaves_(leaves) {}
 
+    [[nodiscard]] bool is_leaf(std::uint32_t i) const noexcept { return nodes_[i].is_leaf(); }
     [[nodiscard]] std::uint32_t second_child(std::uint32_t i) const noexcept { return nodes_[i].right; }
     [[nodiscard]] Box4 fit_leaf(std::uint32_t i) const { return leaves_.box(nodes_[i].first, nodes_[i].count); }
     void write_inner(std::uint32_t i, const Box4& first, const Box4& second) const {
@@ -116,18 +117,21 @@ void refit_range(const Nodes& nodes, std::uint32_t begin, std::uint32_t end, std
     std::array<Box4, kNodesOfTask> boxes;
     std::array<bool, kNodesOfTask> is_done;
     for (std::uint32_t i = end; i-- > begin;) {
-        const std::uint32_t second = nodes.second_child(i);
-        const bool can_be_done = second < end && (second == 0 || is_done[second - begin]);
-        is_done[i - begin] = can_be_done;
-        if (!can_be_done) {
-            waiting.push_back(i);
-        } else if (second == 0) {
+        is_done[i - begin] = true;
+        if (nodes.is_leaf(i)) {
             boxes[i - begin] = nodes.fit_leaf(i);
-        } else {
-            const Box4 &a = boxes[i + 1 - begin], &b = boxes[second - begin];
-            nodes.write_inner(i, a, b);
-            boxes[i - begin] = merged(a, b);
+            continue;
         }
+        // A first child behind the end is another task's, which may be writing it.
+        const std::uint32_t second = i + 1 < end ? nodes.second_child(i) : end;
+        if (second >= end || !is_done[second - begin]) {
+            is_done[i - begin] = false;
+            waiting.push_back(i);
+            continue;
+        }
+        const Box4 &a = boxes[i + 1 - begin], &b = boxes[second - begin];
+        nodes.write_inner(i, a, b);
+        boxes[i - begin] = merged(a, b);
     }
 }
 
@@ -143,7 +147,7 @@ void refit_all(const Nodes& nodes, std::uint32_t node_count) {
             refit_range(nodes, begin, std::min(begin + kNodesOfTask, node_count), waiting[task]);
         },
         tbb::simple_partitioner{});
-    // Of each task's last node, and no other's, all nodes above it can wait.
+    // Only nodes above a task's last one can wait: what is below any other ends in front of it.
     for (std::uint32_t task = tasks; task-- > 0;) {
         for (const std::uint32_t i : waiting[task])
             nodes.write_inner(i, nodes.read(i + 1), nodes.read(nodes.second_child(i)));

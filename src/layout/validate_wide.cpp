@@ -120,7 +120,7 @@ private:
             check_block(block);
     }
 
-    /// Its primitives are in range.
+    /// Its primitives have to be in range: leaves_ has looked at that.
     void check_block(std::size_t index) const {
         const TriangleBlock& block = layout_.blocks[index];
         if (block.primitives[0] == kNoPrimitive) reject_layout(name_block(index) + ": it has no triangle");

@@ -169,6 +169,13 @@ TEST_CASE("what a layout's file holds can be asked for without reading it") {
     expect_error(ErrorCode::io, {"No such file"}, [&] { (void)is_layout_file(folder.path("none")); });
 }
 
+TEST_CASE("kinds of layouts have names, and what is no kind has none") {
+    CHECK(to_string(LayoutKind::wide8) == "wide8");
+    CHECK(to_string(LayoutKind::skip) == "skip");
+    CHECK(to_string(LayoutKind{0}).empty());
+    CHECK(to_string(LayoutKind{6}).empty());
+}
+
 TEST_CASE("a layout of another kind is refused, and what was there stays") {
     const Mesh mesh = small_mesh();
     const Bvh bvh = build(mesh, "median");
@@ -235,7 +242,8 @@ TEST_CASE("headers of layouts that lie are refused before memory is set aside") 
     expect_refused<Wide8>(with_field(bytes, 16, std::uint32_t{64}), "blocks of 64 bytes, not 160");
     expect_refused<Wide8>(with_field(bytes, 48, std::uint32_t{2}), "unknown flags 2");
     expect_refused<Wide8>(with_field(bytes, 52, std::uint32_t{1}), "reserved");
-    expect_refused<Wide8>(with_field(bytes, 20, std::uint32_t{77}), "the hash does not match");
+    expect_refused<Wide8>(with_field(bytes, 20, std::uint32_t{0}), "the hash does not match");
+    expect_refused<Wide8>(with_hash(with_field(bytes, 20, std::uint32_t{7777})), "a depth of 7777, above its");
 }
 
 TEST_CASE("whatever a layout's file holds, it is refused, or validate says what it is worth") {

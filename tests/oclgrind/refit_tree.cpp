@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "device_buffer.hpp"
+#include "run_main.hpp"
 
 namespace {
 
@@ -60,10 +61,5 @@ int run(const std::string& shape) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-    try {
-        return argument_count == 2 ? run(arguments[1]) : EXIT_FAILURE;
-    } catch (const std::exception& error) {
-        std::cerr << error.what() << '\n';
-        return EXIT_FAILURE;
-    }
+    return run_main([&] { return argument_count == 2 ? run(arguments[1]) : EXIT_FAILURE; });
 }

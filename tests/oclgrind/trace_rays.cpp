@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "run_main.hpp"
+
 namespace {
 
 /// From vertices scaled up by a third to other vertices.
@@ -57,10 +59,5 @@ int run(std::span<char*> arguments) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-    try {
-        return run({arguments, static_cast<std::size_t>(argument_count)});
-    } catch (const std::exception& error) {
-        std::cerr << error.what() << '\n';
-        return EXIT_FAILURE;
-    }
+    return run_main([&] { return run({arguments, static_cast<std::size_t>(argument_count)}); });
 }

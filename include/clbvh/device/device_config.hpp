@@ -10,7 +10,7 @@ namespace clbvh {
 /// Which spatial code orders the primitives.
 enum class MortonCode : std::uint8_t {
     cubic,     ///< 3D; each bit halves the axis on which cells are longest. Where more than a few primitives share a
-               ///< code, they get codes within their own bounds (not with code_bits 63).
+               ///< code, they get codes within their own bounds; not with code_bits 63, and not in batches.
     xyz,       ///< 3D, 21 bits an axis, as the papers have it: cells are as stretched as the scene is.
     extended,  ///< 4D extended (Vinkler, Bittner, Havran 2017): axes split longest first, with bits for the primitive's
                ///< size.

@@ -24,8 +24,9 @@ struct DeviceScene {
     DeviceSpan layout;          ///< layout: filled by enqueue_layout of any DeviceTracer for this tree, with the same
                                 ///< counts; offset, a multiple of 64. See docs/trace-device.md for how one that is
                                 ///< older than its tree is noticed.
-    LayoutKind layout_kind = LayoutKind::wide8;  ///< Rays go through wide8; skip and pair are for kernels of the
-                                                 ///< caller's, and do not look at the mesh either. No other is made.
+    LayoutKind layout_kind = LayoutKind::wide8;  ///< Rays go through wide8 alone. skip and pair are for kernels of
+                                                 ///< the caller's; they do not look at the mesh. Devices make no
+                                                 ///< other kind.
 };
 
 /// Where the parts of a layout in device memory are. See docs/layouts.md.
@@ -84,9 +85,10 @@ public:
     [[nodiscard]] static DeviceLayout layout_of(const DeviceScene& scene) noexcept;
 
     /// Enqueues that scene.layout is filled with the scene as scene.layout_kind says. wide8 is how rays go through it
-    /// fastest: worth its time where many rays follow, see docs/trace-device.md. The mesh is not needed afterwards; of
-    /// wide8 the tree is. Nodes and elements have the bytes of make_layout() for a Bvh of as many nodes: 2 * the active
-    /// count where there is one, else node_count. Throws Error(unsupported) for kinds that are not made.
+    /// fastest: worth its time where many rays follow, see docs/trace-device.md. The mesh is not needed afterwards;
+    /// the tree still is for wide8. Nodes and elements have the bytes of make_layout() for a Bvh of as many nodes: 2 *
+    /// the active count where there is one, else node_count. Throws Error(unsupported) for kinds that are not made.
+    /// Where one of the tree's counts is 0 there is nothing to lay out, and nothing is written, no header either.
     ///
     /// This and the next two allocate nothing and wait for nothing: they begin when the events in `wait_list` are
     /// complete, in an in-order queue also behind what was enqueued before, and `event`, where given, becomes the

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <string_view>
 
 #include "clbvh/export.h"
 #include "clbvh/layout/compressed8.hpp"
@@ -12,9 +11,6 @@
 #include "clbvh/layout/wide.hpp"
 
 namespace clbvh {
-
-/// "wide8", "wide4", "compressed8", "pair" or "skip".
-[[nodiscard]] CLBVH_IO_API std::string_view to_string(LayoutKind kind) noexcept;
 
 /// Writes a layout to a temporary name beside `path` and renames it, so that `path` is never half-written.
 ///
@@ -62,7 +58,8 @@ struct LayoutFileInfo {
 /// than the file is long. Throws Error(io) that says what is wrong, Error(out_of_memory); `result` is then as it was.
 ///
 /// Where nodes and leaves lead to is not followed: a file that was damaged by chance is refused, one that was made to
-/// do harm is not. validate() of the layout, over its mesh, is what makes a file from elsewhere safe to trace.
+/// do harm is not. validate() of the layout, over its mesh, is what makes a file from elsewhere safe to trace or to
+/// refit.
 CLBVH_IO_API void read_layout(const std::filesystem::path& path, Wide8& result);
 CLBVH_IO_API void read_layout(const std::filesystem::path& path, Wide4& result);
 CLBVH_IO_API void read_layout(const std::filesystem::path& path, Compressed8& result);

@@ -125,6 +125,7 @@ CLBVH_API void make_layout(const Bvh& bvh, const MeshView& mesh, Compressed8& re
 /// with all threads; its structure stays. O(n) time, 32 bytes a node of other memory. No ray may be traced through it
 /// meanwhile.
 ///
+/// The layout is one that make_layout() made, or that validate() has proven; its structure is not checked here.
 /// Children stay in the slots that were theirs when the layout was made: where they have moved to the other side of
 /// each other, rays still find all that is there, but no longer go from near to far. `mesh` has as many triangles as
 /// the one that the layout was made over. Leaves get the boxes of whole triangles, also where references were split.

@@ -70,7 +70,8 @@ CLBVH_API void make_layout(const Bvh& bvh, SkipLayout& result, const LayoutOptio
 /// threads; its structure stays. The bytes are those of make_layout of the tree after clbvh::refit. O(n) time. No ray
 /// may be traced through it meanwhile.
 ///
-/// `primitives` are as many as the layout was made over. Leaves get the boxes of whole primitives, also where
+/// The layout is one that make_layout() made, or that validate() has proven; its structure is not checked here.
+/// `primitives` are as many as it was made over. Leaves get the boxes of whole primitives, also where
 /// references were split. What is NaN is left out of the boxes. Boxes only get worse from frame to frame: see
 /// docs/layouts.md for when to build anew.
 /// Throws what check_primitives throws (unless `options` trust the primitives), and Error(invalid_input) for another

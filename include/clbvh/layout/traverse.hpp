@@ -176,8 +176,8 @@ DeferredChild* defer_children(const WideNode<Width>& node, const std::array<floa
 ///
 /// Boxes are tested as by traverse() of binary trees (clbvh/trace/traverse.hpp). A ray that is not is_traceable visits
 /// nothing. `layout` is one that make_layout() made; that is not checked. Any depth will do: for trees of an unusual
-/// one the stack moves to the heap. Triangles that stand in a block for none are NaN, and their primitive is
-/// kNoPrimitive. For the library's own hits use Tracer, which is faster.
+/// one the stack moves to the heap, which may throw std::bad_alloc. Triangles that stand in a block for none are NaN,
+/// and their primitive is kNoPrimitive. For the library's own hits use Tracer, which is faster.
 template <std::uint32_t Width, BlockVisitor Leaf>
 void traverse(const WideLayout<Width>& layout, const Ray& ray, Leaf&& leaf) {
     if (layout.empty() || !is_traceable(ray)) return;

@@ -89,7 +89,8 @@ CLBVH_API void make_layout(const Bvh& bvh, const MeshView& mesh, Wide4& result, 
 /// Gives a layout the vertices of a mesh that has moved, and the boxes that these ask for, in place and with all
 /// threads; its structure stays. O(n) time. No ray may be traced through it meanwhile.
 ///
-/// `mesh` has as many triangles as the one that the layout was made over. Leaves get the boxes of whole triangles, also
+/// The layout is one that make_layout() made, or that validate() has proven; its structure is not checked here.
+/// `mesh` has as many triangles as the one that it was made over. Leaves get the boxes of whole triangles, also
 /// where references were split. A triangle with a NaN is left out of the boxes, and never hit. Boxes only get worse
 /// from frame to frame: see docs/layouts.md for when to build anew.
 /// Throws what check_mesh throws (unless `options` trust the mesh), and Error(invalid_input) for a mesh with another

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "clbvh/core/error.hpp"
@@ -80,6 +81,12 @@ void check_mesh(const Session& session, const DeviceScene& given, CheckedScene& 
     checked.scene.mesh = input.mesh;
 }
 
+/// The kind's name, or its number where it has none.
+std::string name_kind(LayoutKind kind) {
+    const std::string_view name = to_string(kind);
+    return name.empty() ? std::to_string(static_cast<std::uint32_t>(kind)) : std::string(name);
+}
+
 std::optional<device::DepthFirstKind> depth_first_kind(LayoutKind kind) {
     if (kind == LayoutKind::skip) return device::DepthFirstKind::skip;
     if (kind == LayoutKind::pair) return device::DepthFirstKind::pair;
@@ -114,7 +121,8 @@ CheckedScene check_scene(const Session& session, const DeviceScene& given) {
         check_mesh(session, given, checked);
     } else {
         if (given.layout_kind != LayoutKind::wide8) {
-            throw Error(ErrorCode::invalid_input, "the layout's kind is not wide8, and rays go through no other");
+            throw Error(ErrorCode::invalid_input,
+                        "the layout's kind is " + name_kind(given.layout_kind) + ", and rays go through wide8 alone");
         }
         checked.layout = examine_layout(session, given);
         device::check_readable(checked.layout);
@@ -217,12 +225,13 @@ void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& sce
     const State& state = *state_;
     Session& session = state.context.session();
     device::enqueue_for_caller("enqueuing a layout", session, {queue, wait_list, event}, [&](Launcher& launcher) {
-        if (scene.bvh.reference_count == 0 || scene.bvh.node_count == 0) return;
         const bool is_wide = scene.layout_kind == LayoutKind::wide8;
         const auto kind = depth_first_kind(scene.layout_kind);
         if (!is_wide && !kind) {
-            throw Error(ErrorCode::unsupported, "of layouts, devices make wide8, pair and skip");
+            throw Error(ErrorCode::unsupported, "devices make no layouts of kind " + name_kind(scene.layout_kind) +
+                                                    "; they make wide8, pair and skip");
         }
+        if (scene.bvh.reference_count == 0 || scene.bvh.node_count == 0) return;
         CheckedScene checked;
         check_nodes(session, scene, checked);
         check_ids(session, scene, checked);

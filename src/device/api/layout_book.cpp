@@ -67,8 +67,8 @@ void check_layout_of(const CallerMemory& layout, const CallerMemory& nodes) {
     if (is_true) return;
     throw Error(ErrorCode::invalid_input,
                 std::string(layout.name) +
-                    " is none of this tree, or the tree was built, optimised or refitted since; enqueue the layout "
-                    "again, or give it to DeviceRefitter");
+                    " is no wide8 layout of this tree, or the tree was built, optimised or refitted since; enqueue the "
+                    "layout again, or give it to DeviceRefitter");
 }
 
 }  // namespace clbvh::device

@@ -25,6 +25,7 @@ void launch_recode(Launcher& launcher, const BuildSettings& settings, const Buil
         launcher.launch(kernel("recode_runs"), pieces.count, b.boxes, index_bits, round, b.recode_state, b.recode_runs,
                         b.codes, b.primitive_ids, b.keys);
     }
+    // At least: where there are runs, their boxes and keys, too.
     launcher.count_bytes(8 * std::uint64_t{primitive_count});
 }
 
