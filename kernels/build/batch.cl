@@ -58,7 +58,7 @@ static inline Input input_from(Input input, uint form, size_t first, size_t firs
 static inline void make_keys(global const float* boxes, global const float* bounds, uint count, uint index_bits,
                              uint code_bits, global ulong* keys) {
     MortonGrid grid;
-    make_grid(load_box(bounds + BOX_FLOATS), CUBIC_CELLS, &grid);
+    make_grid(LOWER_CENTROID(bounds), UPPER_CENTROID(bounds), CUBIC_CELLS, &grid);
     FOR_WORK_ITEMS(i, 0, count) {
         keys[i] = pack_key(code_of_record(grid, boxes + BOX_FLOATS * i), i, index_bits, code_bits);
     }

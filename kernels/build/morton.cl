@@ -62,7 +62,7 @@ KERNEL void morton_grid(global const float* boxes, global const float* bounds, u
                         uint piece_length, global ulong* pairs, global uint* code_low, global uint* code_high) {
     PIECE_OF_PRIMITIVES
     MortonGrid grid;
-    make_grid(load_box(bounds + BOX_FLOATS), is_cubic, &grid);
+    make_grid(LOWER_CENTROID(bounds), UPPER_CENTROID(bounds), is_cubic, &grid);
     size_t first = begin;
 #if LANE_SHAPE
     // A record is loaded as eight words: the last box has no two more behind it.
@@ -103,7 +103,7 @@ KERNEL void packed_grid(global const float* boxes, global const float* bounds, u
     DIGIT_COUNTERS(counters)
     PIECE_OF_PRIMITIVES
     MortonGrid grid;
-    make_grid(load_box(bounds + BOX_FLOATS), is_cubic, &grid);
+    make_grid(LOWER_CENTROID(bounds), UPPER_CENTROID(bounds), is_cubic, &grid);
     size_t first = begin;
     clear_counters(counters);
 #if LANE_SHAPE

@@ -11,12 +11,14 @@
 //   pack_codes    inout  codes
 //   recode_runs   inout  codes, primitive_ids; keys [leaf_count] is scratch
 //   launch groups of WORK_GROUP_SIZE; the first three each on piece_length codes, recode_runs each on some of the runs
+// recode_at_once does all that with one group, for few codes, whose launches would cost more than their work; it clears
+// the state itself.
 //   local  64 * WORK_GROUP_SIZE bytes
 // A round but the first does something where the one before has packed codes; find_levels and pack_codes where runs
 // are too long for the low bits.
 //
-// state [RECODE_STATE_WORDS a round] is 0 before. index_bits: of the first round's codes, the low ones that are no
-// code.
+// state [RECODE_STATE_WORDS a round] is what clear_state, one group, leaves before. index_bits: of the first round's
+// codes, the low ones that are no code.
 #include "work_group.clh"
 #include "aabb.clh"
 #include "scan.clh"
@@ -53,14 +55,14 @@ typedef struct {
 } Round;
 
 // Reads the state of the rounds before alone: that of the round itself changes while runs are found.
-static inline Round round_of(global const uint* state, uint round, uint index_bits) {
-    Round now = {1, index_bits};
+static inline void find_round(global const uint* state, uint round, uint index_bits, Round* now) {
+    now->is_active = 1;
+    now->tie_bits = index_bits;
     for (uint k = 0; k < round; ++k) {
         const uint longest = state[RECODE_STATE_WORDS * k + LONGEST];
-        now.is_active = now.is_active && is_too_long(longest, now.tie_bits);
-        now.tie_bits = bits_of_count(longest);
+        now->is_active = now->is_active && is_too_long(longest, now->tie_bits);
+        now->tie_bits = bits_of_count(longest);
     }
-    return now;
 }
 
 // Whether keys are packed in the round, whose runs have been found.
@@ -88,10 +90,15 @@ static inline uint run_length(global const ulong* codes, size_t first, uint leaf
     return (uint)(last - first) + 1;
 }
 
-#define PIECE_OF_CODES                                           \
-    const uint leaf_count = *leaf_count_in;                      \
-    const size_t begin = get_group_id(0) * (size_t)piece_length; \
-    const size_t end = min(begin + piece_length, (size_t)leaf_count);
+// Codes, and which of them the work group takes.
+typedef struct {
+    uint leaf_count;
+    size_t begin, end;
+} Piece;
+
+#define PIECE_OF_GROUP(piece)                                            \
+    const size_t piece##_begin = get_group_id(0) * (size_t)piece_length; \
+    const Piece piece = {*leaf_count, piece##_begin, min(piece##_begin + piece_length, (size_t)*leaf_count)};
 
 static inline void add_run(global const ulong* codes, size_t i, uint leaf_count, uint tie_bits, global uint* state,
                            global uint* runs) {
@@ -102,31 +109,31 @@ static inline void add_run(global const ulong* codes, size_t i, uint leaf_count,
     atomic_max(state + LONGEST, length);
 }
 
-KERNEL void find_runs(global const ulong* codes, global const uint* leaf_count_in, uint piece_length, uint index_bits,
-                      uint round, global uint* state, global uint* runs) {
-    PIECE_OF_CODES
-    const Round now = round_of(state, round, index_bits);
-    if (!now.is_active || leaf_count <= LONGEST_RUN) {
+static inline void find_runs_of_piece(global const ulong* codes, Piece piece, uint index_bits, uint round,
+                                      global uint* state, global uint* runs) {
+    Round now;
+    find_round(state, round, index_bits, &now);
+    if (!now.is_active || piece.leaf_count <= LONGEST_RUN) {
         return;
     }
-    const size_t last = min(end, (size_t)(leaf_count - LONGEST_RUN));
-    FOR_WORK_ITEMS(i, begin, last) {
+    const size_t last = min(piece.end, (size_t)(piece.leaf_count - LONGEST_RUN));
+    FOR_WORK_ITEMS(i, piece.begin, last) {
         if (is_same_code(codes, i, i + LONGEST_RUN, now.tie_bits) &&
             (i == 0 || !is_same_code(codes, i - 1, i, now.tie_bits))) {
-            add_run(codes, i, leaf_count, now.tie_bits, state + RECODE_STATE_WORDS * round, runs);
+            add_run(codes, i, piece.leaf_count, now.tie_bits, state + RECODE_STATE_WORDS * round, runs);
         }
     }
 }
 
-KERNEL void find_levels(global const ulong* codes, global const uint* leaf_count_in, uint piece_length, uint index_bits,
-                        uint round, global uint* state) {
-    PIECE_OF_CODES
-    const Round now = round_of(state, round, index_bits);
+static inline void find_levels_of_piece(global const ulong* codes, Piece piece, uint index_bits, uint round,
+                                        global uint* state) {
+    Round now;
+    find_round(state, round, index_bits, &now);
     if (!packs_codes(state, round, now)) {
         return;
     }
     ulong levels = 0;
-    FOR_WORK_ITEMS(i, max(begin, (size_t)1), end) {
+    FOR_WORK_ITEMS(i, max(piece.begin, (size_t)1), piece.end) {
         const ulong differing = (codes[i - 1] ^ codes[i]) >> now.tie_bits;
         levels |= differing == 0 ? 0 : 1ul << (63 - clz(differing));
     }
@@ -162,16 +169,16 @@ static inline ulong pick_bits(ulong code, ulong levels) {
     return picked;
 }
 
-KERNEL void pack_codes(global ulong* codes, global const uint* leaf_count_in, uint piece_length, uint index_bits,
-                       uint round, global const uint* state) {
-    PIECE_OF_CODES
-    const Round now = round_of(state, round, index_bits);
+static inline void pack_codes_of_piece(global ulong* codes, Piece piece, uint index_bits, uint round,
+                                       global const uint* state) {
+    Round now;
+    find_round(state, round, index_bits, &now);
     if (!packs_codes(state, round, now)) {
         return;
     }
     const ulong levels = levels_of(state, round);
     const uint shift = free_bits(levels);
-    FOR_WORK_ITEMS(i, begin, end) {
+    FOR_WORK_ITEMS(i, piece.begin, piece.end) {
         codes[i] = pick_bits(codes[i] >> now.tie_bits, levels) << shift | (codes[i] & low_bits(now.tie_bits));
     }
 }
@@ -197,11 +204,18 @@ static inline void sort_run(global ulong* keys, global ulong* codes, global uint
     GLOBAL_BARRIER();
 }
 
-KERNEL void recode_runs(global const float* boxes, uint index_bits, uint round, global const uint* state,
-                        global const uint* runs, global ulong* all_codes, global uint* all_ids,
-                        global ulong* all_keys) {
-    local SceneBounds scratch[WORK_GROUP_SIZE];
-    const Round now = round_of(state, round, index_bits);
+// What is sorted, by run.
+typedef struct {
+    global const float* boxes;
+    global ulong* codes;
+    global uint* ids;
+    global ulong* keys;
+} RunArrays;
+
+static inline void recode_runs_of_group(RunArrays all, uint index_bits, uint round, global const uint* state,
+                                        global const uint* runs, local SceneBounds* scratch) {
+    Round now;
+    find_round(state, round, index_bits, &now);
     if (!now.is_active) {
         return;
     }
@@ -212,15 +226,15 @@ KERNEL void recode_runs(global const float* boxes, uint index_bits, uint round, 
     for (uint run = (uint)get_group_id(0); run < run_count; run += (uint)get_num_groups(0)) {
         const size_t begin = runs[2 * run];
         const uint length = runs[2 * run + 1];
-        global ulong* const codes = all_codes + begin;
-        global uint* const ids = all_ids + begin;
-        global ulong* const keys = all_keys + begin;
+        global ulong* const codes = all.codes + begin;
+        global uint* const ids = all.ids + begin;
+        global ulong* const keys = all.keys + begin;
         const uint tie_bits = bits_of_count(is_packed ? own[LONGEST] : length);
         const uint code_bits = available - tie_bits;
         const ulong prefix = codes[0] & ~low_bits(available);
         SceneBounds bounds = empty_bounds();
         FOR_WORK_ITEMS(i, 0, length) {
-            const Box box = load_box(boxes + BOX_FLOATS * (size_t)ids[i]);
+            const Box box = load_box(all.boxes + BOX_FLOATS * (size_t)ids[i]);
             const float4 centroid = (float4)(CENTROID_OF(box, x), CENTROID_OF(box, y), CENTROID_OF(box, z), 0.0f);
             bounds.centroid_lower = MIN_OF(bounds.centroid_lower, centroid);
             bounds.centroid_upper = MAX_OF(bounds.centroid_upper, centroid);
@@ -231,15 +245,68 @@ KERNEL void recode_runs(global const float* boxes, uint index_bits, uint round, 
         if (!(extent.x > 0.0f || extent.y > 0.0f || extent.z > 0.0f)) {
             continue;  // They are all in one place.
         }
-        const Box centroids = {bounds.centroid_lower.x, bounds.centroid_lower.y, bounds.centroid_lower.z,
-                               bounds.centroid_upper.x, bounds.centroid_upper.y, bounds.centroid_upper.z};
         MortonGrid grid;
-        make_grid(centroids, 1, &grid);
+        make_grid(bounds.centroid_lower, bounds.centroid_upper, 1, &grid);
         FOR_WORK_ITEMS(i, 0, length) {
-            const ulong code = grid_code(grid, load_box(boxes + BOX_FLOATS * (size_t)ids[i]));
+            const ulong code = grid_code(grid, load_box(all.boxes + BOX_FLOATS * (size_t)ids[i]));
             keys[i] = code >> (CODE_BITS - min(code_bits, (uint)CODE_BITS)) << tie_bits | i;
         }
         GLOBAL_BARRIER();
         sort_run(keys, codes, ids, length, tie_bits, code_bits, prefix);
+    }
+}
+
+static inline void clear_words_of_state(global uint* state) {
+    FOR_WORK_ITEMS(k, 0, RECODE_ROUNDS * RECODE_STATE_WORDS) {
+        state[k] = 0;
+    }
+}
+
+KERNEL void clear_state(global uint* state) {
+    clear_words_of_state(state);
+}
+
+KERNEL void find_runs(global const ulong* codes, global const uint* leaf_count, uint piece_length, uint index_bits,
+                      uint round, global uint* state, global uint* runs) {
+    PIECE_OF_GROUP(piece)
+    find_runs_of_piece(codes, piece, index_bits, round, state, runs);
+}
+
+KERNEL void find_levels(global const ulong* codes, global const uint* leaf_count, uint piece_length, uint index_bits,
+                        uint round, global uint* state) {
+    PIECE_OF_GROUP(piece)
+    find_levels_of_piece(codes, piece, index_bits, round, state);
+}
+
+KERNEL void pack_codes(global ulong* codes, global const uint* leaf_count, uint piece_length, uint index_bits,
+                       uint round, global const uint* state) {
+    PIECE_OF_GROUP(piece)
+    pack_codes_of_piece(codes, piece, index_bits, round, state);
+}
+
+KERNEL void recode_runs(global const float* boxes, uint index_bits, uint round, global const uint* state,
+                        global const uint* runs, global ulong* codes, global uint* ids, global ulong* keys) {
+    local SceneBounds scratch[WORK_GROUP_SIZE];
+    const RunArrays arrays = {boxes, codes, ids, keys};
+    recode_runs_of_group(arrays, index_bits, round, state, runs, scratch);
+}
+
+KERNEL void recode_at_once(global const float* boxes, global const uint* leaf_count, uint index_bits,
+                           global uint* state, global uint* runs, global ulong* codes, global uint* ids,
+                           global ulong* keys) {
+    local SceneBounds scratch[WORK_GROUP_SIZE];
+    const RunArrays arrays = {boxes, codes, ids, keys};
+    const Piece piece = {*leaf_count, 0, *leaf_count};
+    clear_words_of_state(state);
+    GLOBAL_BARRIER();
+    for (uint round = 0; round < RECODE_ROUNDS; ++round) {
+        find_runs_of_piece(codes, piece, index_bits, round, state, runs);
+        GLOBAL_BARRIER();
+        find_levels_of_piece(codes, piece, index_bits, round, state);
+        GLOBAL_BARRIER();
+        pack_codes_of_piece(codes, piece, index_bits, round, state);
+        GLOBAL_BARRIER();
+        recode_runs_of_group(arrays, index_bits, round, state, runs, scratch);
+        GLOBAL_BARRIER();
     }
 }

@@ -14,7 +14,14 @@ void launch_recode(Launcher& launcher, const BuildSettings& settings, const Buil
     };
     const std::uint32_t index_bits = settings.key_layout(primitive_count).index_bits;
     const Pieces pieces = settings.sort_pieces(primitive_count);
-    launcher.clear_uints(b.recode_state, 0, kernels::RECODE_ROUNDS * kernels::RECODE_STATE_WORDS);
+    // At least: where there are runs, their boxes and keys, too.
+    launcher.count_bytes(8 * std::uint64_t{primitive_count});
+    if (pieces.count == 1) {
+        launcher.launch(kernel("recode_at_once"), 1, b.boxes, b.primitive_count, index_bits, b.recode_state,
+                        b.recode_runs, b.codes, b.primitive_ids, b.keys);
+        return;
+    }
+    launcher.launch(kernel("clear_state"), 1, b.recode_state);
     for (cl_uint round = 0; round < kernels::RECODE_ROUNDS; ++round) {
         launcher.launch(kernel("find_runs"), pieces.count, b.codes, b.primitive_count, pieces.length, index_bits, round,
                         b.recode_state, b.recode_runs);
@@ -25,8 +32,6 @@ void launch_recode(Launcher& launcher, const BuildSettings& settings, const Buil
         launcher.launch(kernel("recode_runs"), pieces.count, b.boxes, index_bits, round, b.recode_state, b.recode_runs,
                         b.codes, b.primitive_ids, b.keys);
     }
-    // At least: where there are runs, their boxes and keys, too.
-    launcher.count_bytes(8 * std::uint64_t{primitive_count});
 }
 
 }  // namespace clbvh::device

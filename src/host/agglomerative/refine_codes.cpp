@@ -1,6 +1,7 @@
 #include "host/agglomerative/refine_codes.hpp"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <bit>
@@ -83,7 +84,7 @@ void refine_run(std::span<std::uint64_t> codes, std::span<std::uint32_t> ids, st
     run.reserve(ids.size());
     for (const std::uint32_t id : ids)
         run.push_back({grid.code_of(references[id]), id});
-    std::ranges::sort(run);
+    tbb::parallel_sort(run.begin(), run.end());
     const auto code = [&](std::size_t i) { return run[i].code; };
     const std::vector<Run> runs = find_runs(run.size(), code);
     const std::uint64_t deciding = runs.empty() ? 0 : deciding_bits(run.size(), code);
