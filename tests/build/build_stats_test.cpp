@@ -69,6 +69,8 @@ TEST_CASE("plocpp needs no iteration below the threshold of the single work grou
 }
 
 TEST_CASE("plocpp-two-level, hploc and lbvh launch the same number of kernels whatever the size") {
+    // Codes are made again in one launch where the sort has one piece, in nine else.
+    constexpr std::uint32_t kSparedLaunches = 8;
     for (const std::string_view id : {"plocpp-two-level", "hploc", "lbvh"}) {
         for (const Shape shape : {Shape::group, Shape::lane}) {
             Builder builder = make_builder(id, options_of(shape));
@@ -78,7 +80,8 @@ TEST_CASE("plocpp-two-level, hploc and lbvh launch the same number of kernels wh
             for (const std::string_view scene : {"soup", "particles", "city"}) {
                 const BuildStats large = stats_of(builder, generate_scene(scene, 150000));
                 CHECK(stage(large, "cluster").launches == stage(small, "cluster").launches);
-                CHECK(large.launches == small.launches);
+                CHECK(stage(large, "sort").launches == stage(small, "sort").launches + kSparedLaunches);
+                CHECK(large.launches == small.launches + kSparedLaunches);
             }
         }
     }
