@@ -2,9 +2,12 @@
 add_library(clbvh_flags INTERFACE)
 target_compile_features(clbvh_flags INTERFACE cxx_std_20)
 # Contraction is off so that a distance computed here equals the kernels' to the bit. psabi: notes about gcc 4.6.
+# Deprecated declarations: from 18 on, clang shows them within system headers too (llvm-project's issue 76515), such as that
+# of libstdc++ 12 in std::stable_sort.
 target_compile_options(clbvh_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -ffp-contract=off
   $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>
+  $<$<AND:$<CXX_COMPILER_ID:Clang>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,18>>:-Wno-deprecated-declarations>
   $<$<BOOL:${CLBVH_WERROR}>:-Werror>)
 if(CLBVH_SANITIZE)
   # gcc 12 with sanitizers warns of uninitialised values in <regex>, which Catch2 includes.

@@ -8,12 +8,16 @@
 #include "core/primitive_access.hpp"
 
 namespace clbvh {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+
+}  // namespace
 
 Aabb mesh_bounds(const MeshView& mesh) {
-    constexpr std::size_t grain = 4096;
     return with_boxes(mesh, [](const auto& boxes) {
         return tbb::parallel_reduce(
-            tbb::blocked_range<std::size_t>(0, boxes.count(), grain), Aabb{},
+            tbb::blocked_range<std::size_t>(0, boxes.count(), kGrain), Aabb{},
             [&](const auto& range, Aabb box) {
                 for (std::size_t i = range.begin(); i < range.end(); ++i) {
                     if (!boxes.is_inactive(i)) box = merge(box, boxes.box(i));

@@ -166,7 +166,7 @@ void refuse_box(const BoxView& boxes, std::size_t index) {
 
 std::uint64_t count_of(const Primitives& primitives) noexcept {
     const auto* const boxes = std::get_if<BoxView>(&primitives);
-    return boxes != nullptr ? boxes->count : std::get_if<MeshView>(&primitives)->triangle_count;
+    return boxes != nullptr ? boxes->count : std::get<MeshView>(primitives).triangle_count;
 }
 
 bool is_inactive(const MeshView& mesh, std::size_t triangle) {

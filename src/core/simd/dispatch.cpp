@@ -78,13 +78,14 @@ std::string_view to_string(InstructionSet set) noexcept {
 
 bool is_available(InstructionSet set) noexcept {
     switch (set) {
-        case InstructionSet::scalar: return true;
+        case InstructionSet::scalar:
 #if defined(CLBVH_HAS_SSE2)
-        case InstructionSet::sse2: return true;
+        case InstructionSet::sse2:
 #endif
 #if defined(CLBVH_HAS_NEON)
-        case InstructionSet::neon: return true;
+        case InstructionSet::neon:
 #endif
+            return true;
         case InstructionSet::avx2: {
             static const bool available = has_avx2();
             return available;
