@@ -76,12 +76,18 @@ BuildOptions options_of_builder(const BuildOptions& options) {
                                             "sbvh, which splits boxes as well");
 }
 
+/// The preset's own id where `builder_id` is one's, else the builder's.
+std::string_view canonical_id(std::string_view builder_id, const BuilderRow& row) {
+    const PresetInfo* const preset = find_preset(builder_id);
+    return preset != nullptr ? preset->id : row.info.id;
+}
+
 }  // namespace
 
 struct CLBVH_NO_EXPORT Builder::State {
     State(std::string_view builder_id, std::optional<Context> chosen_context, const BuildOptions& chosen_options)
         : row(find_builder_row(builder_id)),
-          id(find_preset(builder_id) != nullptr ? find_preset(builder_id)->id : row.info.id),
+          id(canonical_id(builder_id, row)),
           context(std::move(chosen_context)),
           options(with_split_of_optimizers(with_preset(builder_id, chosen_options))) {
         check_for(row.info, options);
@@ -98,7 +104,7 @@ struct CLBVH_NO_EXPORT Builder::State {
     void upload(const Primitives& primitives);
     void release_input();
     BuildStats run();
-    void with_tree(const std::function<void(const layout::TreeView&)>& read);
+    void with_tree(const std::function<void(const layout::TreeView&)>& read) const;
     void make_layout(const MeshView& mesh, Wide8& result, BuildStats& stats);
 
     [[nodiscard]] bool is_presplit() const noexcept { return needs_splitting(options); }
@@ -168,7 +174,7 @@ BuildStats Builder::State::run() {
     return stats;
 }
 
-void Builder::State::with_tree(const std::function<void(const layout::TreeView&)>& read) {
+void Builder::State::with_tree(const std::function<void(const layout::TreeView&)>& read) const {
     if (is_finished_here()) {
         read(layout::view_of(finish.tree()));
     } else {

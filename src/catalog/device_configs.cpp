@@ -9,7 +9,7 @@ DeviceBuilderConfigs device_configs_for(std::string_view builder_id, const Build
     for (const OptionRow& row : option_rows()) {
         if (!reads_option(builder_id, row.name)) set_value(row.value, row.name, get_value(row.value, {}), read);
     }
-    return read;
+    return static_cast<const DeviceBuilderConfigs&>(read);
 }
 
 }  // namespace clbvh

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "core/simd/float4.hpp"
@@ -13,7 +14,7 @@ namespace clbvh::layout {
     // Seven lanes before the one and seven behind it, with a part beginning at any of them.
     static constexpr std::array<float, 15> kLanes = {least, least, least, least, least, least, least, most,
                                                      least, least, least, least, least, least, least};
-    return Float4::load(kLanes.data() + 7 - lane + 4 * part);
+    return Float4::load(kLanes.data() + 7 - lane + std::size_t{4} * part);
 }
 
 }  // namespace clbvh::layout
