@@ -14,12 +14,27 @@ enum {
     LEAF_ROWS = 3,  // float4 a triangle: x, y and z of its corners; the last word holds its number
 };
 
-// WideNode<8>, WideChild and TriangleBlock.
+// Floats of a wide node of so many children, [lower or upper][axis][child], then the children; and words of a record.
+#define WIDE_NODE_FLOATS_OF(width) (7 * (width))
+#define RECORD_WORDS_OF(width) (5 * (width) + 4)
+
+#ifndef __cplusplus
+// Children of a node.
+#ifndef WIDE_WIDTH
+#define WIDE_WIDTH 8
+#endif
+
+// WideNode<WIDE_WIDTH>.
 enum {
-    WIDE_WIDTH = 8,
-    WIDE_NODE_FLOATS = 56,  // [lower or upper][axis][child], then the children
-    WIDE_UPPER_FLOATS = 24,
-    WIDE_CHILDREN = 48,
+    WIDE_NODE_FLOATS = WIDE_NODE_FLOATS_OF(WIDE_WIDTH),
+    WIDE_UPPER_FLOATS = 3 * WIDE_WIDTH,
+    WIDE_CHILDREN = 6 * WIDE_WIDTH,
+};
+#endif
+
+// WideChild and TriangleBlock.
+enum {
+    MOST_WIDTH = 8,
     WIDE_LEAF_BIT = 31,
     WIDE_BLOCK_COUNT_SHIFT = 28,
     WIDE_MOST_BLOCKS = 8,  // of one leaf
@@ -45,7 +60,7 @@ typedef struct {
 } ScenePlace;
 
 // Where the parts of a layout begin in its buffer, in bytes. What follows the sources is for those who make it, the
-// rows are written last, where the state was.
+// rows are written last, where the state was. Rays alone go through sources and rows, and so through nodes of eight.
 typedef struct {
     ulong header, nodes, blocks, sources, rows, state, pieces, next_chunks, records;
 } LayoutPlace;
@@ -66,17 +81,22 @@ enum {
 enum {
     NODES_OF_PIECE = 2048,
     MOST_PIECES = 1024,                          // that are waited for
-    PIECE_SLOTS = MOST_PIECES + WIDE_WIDTH + 1,  // the last node may open eight, and the first piece is the top
+    PIECE_SLOTS = MOST_PIECES + MOST_WIDTH + 1,  // the last node may open eight, and the first piece is the top
 };
 
+#ifndef __cplusplus
 // A node before it is written, in words.
 enum {
-    RECORD_NODES = 0,    // [child] of the binary tree, whose boxes the children have
-    RECORD_KINDS = 8,    // four bits a child, KIND_*
-    RECORD_CHILD = 9,    // number of the first child that is a node, in the piece
-    RECORD_BLOCK = 10,   // number of the first block, in the piece
-    RECORD_PLACES = 12,  // [child][4]: of one block in primitive_ids, or first and number where there are more
-    RECORD_WORDS = 44,
+    RECORD_NODES = 0,                // [child] of the binary tree, whose boxes the children have
+    RECORD_KINDS = WIDE_WIDTH,       // four bits a child, KIND_*
+    RECORD_CHILD = WIDE_WIDTH + 1,   // number of the first child that is a node, in the piece
+    RECORD_BLOCK = WIDE_WIDTH + 2,   // number of the first block, in the piece
+    RECORD_PLACES = WIDE_WIDTH + 4,  // [child][4]: of one block in primitive_ids, or first and number where more
+    RECORD_WORDS = RECORD_WORDS_OF(WIDE_WIDTH),
+};
+#endif
+
+enum {
     RECORDS_OF_CHUNK = 32,
 };
 

@@ -1,15 +1,16 @@
-// A layout of eight children a node (clbvh/layout/wide.hpp), the same bytes as the host's make_layout(), from a binary
-// tree. Every array is a buffer, and an offset in bytes of ScenePlace or LayoutPlace (layout_constants.h).
+// A layout of WIDE_WIDTH children a node (clbvh/layout/wide.hpp), the same bytes as the host's make_layout(), from a
+// binary tree. Every array is a buffer, and an offset in bytes of ScenePlace or LayoutPlace (layout_constants.h).
 //
 //   in     nodes [node_count] (tree_nodes.clh), primitive ids, a mesh (input.clh)
-//   out    header [LAYOUT_HEADER_WORDS]; nodes, blocks (layout_constants.h); sources: for each child of each node the
-//          node of the binary tree whose box it has
+//   out    header [LAYOUT_HEADER_WORDS]; nodes, blocks (layout_constants.h); sources, for nodes of eight: for
+//          each child of each node the node of the binary tree whose box it has
 //   scratch  state [OPENING_WORDS], pieces [PIECE_SLOTS * PIECE_WORDS], next_chunks, records (open_piece.clh)
 //
 // open_top      one group: the top of the tree level by level, until enough nodes wait; each becomes a piece
 // open_pieces   a group for each piece but the first: all that is below
 // number_pieces one group: where the nodes and blocks of each piece begin
 // write_pieces  a group for each piece
+//               and for nodes of eight
 // write_rows    out rows [LEAF_ROWS * reference_count], where state was; a group for `length` references
 // refit_layout  any number of groups; `sources` and the blocks' primitives say what to read
 //   in     the header, sources
@@ -46,16 +47,6 @@ static inline Target target_at(ScenePlace scene, global const uchar* primitive_i
     target.sources = AT(uint, layout, place.sources);
     return target;
 }
-
-#if LANE_SHAPE
-// Asks for what the rows behind row `i` will read.
-static inline void fetch_row(Target t, uint primitive_count, size_t i, size_t end) {
-    const uint next = t.primitive_ids[min(i + CORNER_AHEAD, end - 1)];
-    const uint later = t.primitive_ids[min(i + INDEX_AHEAD, end - 1)];
-    if (later < primitive_count) fetch_primitive(t, later, FETCH_INDICES);
-    if (next < primitive_count) fetch_primitive(t, next, FETCH_VERTICES);
-}
-#endif
 
 static inline global uint* piece_at(Opening o, uint piece) {
     return o.pieces + PIECE_WORDS * (size_t)piece;
@@ -169,6 +160,17 @@ KERNEL void write_pieces(global const uchar* tree, global const uchar* primitive
     }
 }
 
+#if WIDE_WIDTH == 8
+#if LANE_SHAPE
+// Asks for what the rows behind row `i` will read.
+static inline void fetch_row(Target t, uint primitive_count, size_t i, size_t end) {
+    const uint next = t.primitive_ids[min(i + CORNER_AHEAD, end - 1)];
+    const uint later = t.primitive_ids[min(i + INDEX_AHEAD, end - 1)];
+    if (later < primitive_count) fetch_primitive(t, later, FETCH_INDICES);
+    if (next < primitive_count) fetch_primitive(t, next, FETCH_VERTICES);
+}
+#endif
+
 KERNEL void write_rows(global const uchar* primitive_ids, global const uchar* vertices, global const uchar* indices,
                        ScenePlace scene, global uchar* layout, LayoutPlace place, uint primitive_count,
                        uint reference_count, uint length) {
@@ -227,3 +229,4 @@ KERNEL void refit_layout(global const uchar* tree, global const uchar* primitive
         refit_block(t, t.blocks + BLOCK_FLOATS * (i / BLOCK_TRIANGLES), i % BLOCK_TRIANGLES);
     }
 }
+#endif

@@ -59,11 +59,11 @@ int run(const std::string& shape) {
     input.scene.triangles.count = count;
     input.scene.triangles.vertices = vertices.span();
     input.scene.triangles.indices = indices.span();
-    clbvh::SkipLayout skip;
-    clbvh::make_layout(bvh, skip);
-    clbvh::PairLayout pair;
-    clbvh::make_layout(bvh, pair);
-    const bool are_made = is_made(input, clbvh::LayoutKind::skip, skip, skip.primitive_ids) &&
+    const auto wide4 = clbvh::make_layout<clbvh::Wide4>(bvh, mesh);
+    const auto skip = clbvh::make_layout<clbvh::SkipLayout>(bvh);
+    const auto pair = clbvh::make_layout<clbvh::PairLayout>(bvh);
+    const bool are_made = is_made(input, clbvh::LayoutKind::wide4, wide4, wide4.blocks) &&
+                          is_made(input, clbvh::LayoutKind::skip, skip, skip.primitive_ids) &&
                           is_made(input, clbvh::LayoutKind::pair, pair, pair.primitive_ids);
     if (!are_made) std::cerr << "the device's layouts are not the host's\n";
     return are_made ? EXIT_SUCCESS : EXIT_FAILURE;

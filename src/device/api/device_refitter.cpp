@@ -28,7 +28,7 @@ RefitSettings prepare_refitting(Session& session, const DeviceRefitterOptions& o
     const RefitSettings settings = device::resolve_refit_settings(session, options.shape, options.costs);
     std::vector<device::ProgramSpec> programs{
         device::bounds_program(settings),
-        device::layout_program(device::resolve_layout_settings(session, settings.shape))};
+        device::wide_program(device::resolve_layout_settings(session, settings.shape), device::WideKind::wide8)};
     for (device::ProgramSpec& program : device::refit_programs(settings))
         programs.push_back(std::move(program));
     session.prepare({programs});
@@ -57,8 +57,9 @@ CallerMemory check_layout(const Session& session, const DeviceBvh& tree, const C
     if (!std::holds_alternative<DeviceTriangles>(refit.input)) {
         throw Error(ErrorCode::invalid_input, "a layout holds triangles, but the primitives are boxes");
     }
-    CallerMemory layout = device::examine(session, "the layout", refit.layout,
-                                          device::lay_out_scene(tree.node_count, tree.reference_count).bytes);
+    const device::WideParts parts =
+        device::lay_out_wide(device::WideKind::wide8, tree.node_count, tree.reference_count);
+    CallerMemory layout = device::examine(session, "the layout", refit.layout, parts.bytes);
     device::check_aligned(layout, kLayoutBegin);
     device::check_read_write(layout);
     device::check_layout_of(layout, nodes);
@@ -138,7 +139,7 @@ void DeviceRefitter::State::refit(device::Launcher& launcher, const DeviceBvh& g
                          sah.given);
     if (!traced.is_there()) return;
     device::note_layout(traced, tree.nodes);
-    device::launch_layout_refit(
+    device::launch_wide_refit(
         launcher, layout_settings,
         {given.node_count, given.reference_count, {tree.tree.nodes}, {ids_view}, {}, input.mesh, traced.given});
 }

@@ -33,7 +33,8 @@ constexpr std::uint64_t kRayAlignment = 16;
 
 TraceSettings prepare_tracing(Session& session, const DeviceTracerOptions& options) {
     const TraceSettings settings = device::resolve_trace_settings(session, options);
-    const std::array programs{device::trace_program(settings), device::layout_program(settings.layout),
+    const std::array programs{device::trace_program(settings),
+                              device::wide_program(settings.layout, device::WideKind::wide8),
                               device::depth_first_program(settings.layout)};
     session.prepare({programs});
     return settings;
@@ -93,10 +94,18 @@ std::optional<device::DepthFirstKind> depth_first_kind(LayoutKind kind) {
     return std::nullopt;
 }
 
+std::optional<device::WideKind> wide_kind(LayoutKind kind) {
+    if (kind == LayoutKind::wide8) return device::WideKind::wide8;
+    if (kind == LayoutKind::wide4) return device::WideKind::wide4;
+    return std::nullopt;
+}
+
 std::uint64_t layout_bytes(const DeviceBvh& bvh, LayoutKind kind) {
     if (const auto depth_first = depth_first_kind(kind))
         return device::lay_out_depth_first(*depth_first, bvh.node_count, bvh.reference_count).bytes;
-    return kind == LayoutKind::wide8 ? device::lay_out_scene(bvh.node_count, bvh.reference_count).bytes : 0;
+    if (const auto wide = wide_kind(kind))
+        return device::lay_out_wide(*wide, bvh.node_count, bvh.reference_count).bytes;
+    return 0;
 }
 
 CallerMemory examine_layout(const Session& session, const DeviceScene& given) {
@@ -215,9 +224,11 @@ DeviceLayout DeviceTracer::layout_of(const DeviceScene& scene) noexcept {
         const auto parts = device::lay_out_depth_first(*kind, bvh.node_count, bvh.reference_count);
         return {part(parts.header), part(parts.nodes), part(parts.primitive_ids)};
     }
-    if (scene.layout_kind != LayoutKind::wide8) return {};
-    const device::SceneLayout parts = device::lay_out_scene(bvh.node_count, bvh.reference_count);
-    return {part(parts.header), part(parts.nodes), part(parts.blocks)};
+    if (const auto kind = wide_kind(scene.layout_kind)) {
+        const device::WideParts parts = device::lay_out_wide(*kind, bvh.node_count, bvh.reference_count);
+        return {part(parts.header), part(parts.nodes), part(parts.blocks)};
+    }
+    return {};
 }
 
 void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& scene, EventList wait_list,
@@ -225,17 +236,17 @@ void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& sce
     const State& state = *state_;
     Session& session = state.context.session();
     device::enqueue_for_caller("enqueuing a layout", session, {queue, wait_list, event}, [&](Launcher& launcher) {
-        const bool is_wide = scene.layout_kind == LayoutKind::wide8;
-        const auto kind = depth_first_kind(scene.layout_kind);
-        if (!is_wide && !kind) {
+        const auto wide = wide_kind(scene.layout_kind);
+        const auto depth_first = depth_first_kind(scene.layout_kind);
+        if (!wide && !depth_first) {
             throw Error(ErrorCode::unsupported, "devices make no layouts of kind " + name_kind(scene.layout_kind) +
-                                                    "; they make wide8, pair and skip");
+                                                    "; they make wide8, wide4, pair and skip");
         }
         if (scene.bvh.reference_count == 0 || scene.bvh.node_count == 0) return;
         CheckedScene checked;
         check_nodes(session, scene, checked);
         check_ids(session, scene, checked);
-        if (is_wide) check_mesh(session, scene, checked);
+        if (wide) check_mesh(session, scene, checked);
         const CallerMemory active_count = device::examine_active_count(session, scene.bvh.active_count);
         const CallerMemory out = examine_layout(session, scene);
         device::check_read_write(out);
@@ -244,13 +255,13 @@ void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& sce
         launcher.begin_stage("layout", 0.0);
         checked.scene.active_count = active_count.given;
         checked.scene.layout = out.given;
-        if (is_wide) {
+        if (wide == device::WideKind::wide8) {
             device::note_layout(out, checked.nodes);
-            device::launch_layout(launcher, state.settings.layout, checked.scene);
         } else {
             device::note_written(out);
-            device::launch_depth_first(launcher, state.settings.layout, *kind, checked.scene);
         }
+        if (wide) device::launch_wide(launcher, state.settings.layout, *wide, checked.scene);
+        if (depth_first) device::launch_depth_first(launcher, state.settings.layout, *depth_first, checked.scene);
     });
 }
 

@@ -35,7 +35,7 @@ std::span<const T> as_span(const std::vector<T>& values) {
 HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh& bvh, const MeshView& mesh) {
     if (bvh.empty()) return;
     check_fits(session, "nodes", bvh.nodes.size(), sizeof(Node));
-    check_fits(session, "references", bvh.primitive_ids.size(), lay_out_scene(2000, 1000).bytes / 1000);
+    check_fits(session, "references", bvh.primitive_ids.size(), lay_out_wide(WideKind::wide8, 2000, 1000).bytes / 1000);
     check_fits(session, "vertices", mesh.vertex_count, mesh.vertex_stride);
     check_fits(session, "triangles", mesh.triangle_count, mesh.bytes_between_triangles());
     with_opencl_errors("copying a scene to the device", [&] {
@@ -48,13 +48,14 @@ HostScene::HostScene(Session& session, const TraceSettings& settings, const Bvh&
 void HostScene::lay_out_triangles(Session& session, const TraceSettings& settings, const Bvh& bvh,
                                   const MeshView& mesh) {
     scene_.reference_count = static_cast<std::uint32_t>(bvh.primitive_ids.size());
-    scene_.layout = {allocate_buffer(session, lay_out_scene(scene_.node_count, scene_.reference_count).bytes)};
+    const WideParts parts = lay_out_wide(WideKind::wide8, scene_.node_count, scene_.reference_count);
+    scene_.layout = {allocate_buffer(session, parts.bytes)};
     TraceScene from_mesh = scene_;
     from_mesh.primitive_ids = {upload(session, as_span(bvh.primitive_ids))};
     from_mesh.mesh = bind_primitives(session, mesh, mesh.triangle_count);
     Launcher launcher(session, session.queue(), {});
     launcher.begin_stage("layout", 0.0);
-    launch_layout(launcher, settings.layout, from_mesh);
+    launch_wide(launcher, settings.layout, WideKind::wide8, from_mesh);
     session.queue().finish();
 }
 

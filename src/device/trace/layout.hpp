@@ -8,18 +8,21 @@
 
 namespace clbvh::device {
 
-/// A scene as rays go through it fastest: a header, the nodes and blocks of Wide8 (clbvh/layout/wide.hpp), which nodes
-/// of the binary tree its boxes are from, and for rays that go through two children the triangles in the order of the
+/// Layouts whose nodes have more than two children. Rays go through wide8.
+enum class WideKind { wide8, wide4 };
+
+/// Such a layout (clbvh/layout/wide.hpp) in device memory: a header, its nodes and blocks; of wide8 also which nodes of
+/// the binary tree its boxes are from, and for rays that go through two children the triangles in the order of the
 /// leaves (kernels/trace/leaf_triangle.clh). There is room for any tree of so many references.
-struct SceneLayout {
+struct WideParts {
     Block header, nodes, blocks, sources, rows;
     Block state, pieces, next_chunks, records;  ///< What making it takes, where the rows are written last.
     std::uint32_t most_pieces = 0;              ///< The top of the tree included.
     std::uint64_t bytes = 0;
 };
 /// Without a place only its sizes.
-[[nodiscard]] SceneLayout lay_out_scene(std::uint32_t node_count, std::uint32_t reference_count,
-                                        const Block& place = {});
+[[nodiscard]] WideParts lay_out_wide(WideKind kind, std::uint32_t node_count, std::uint32_t reference_count,
+                                     const Block& place = {});
 
 /// A tree, its mesh, and its layout.
 struct TraceScene {
@@ -32,7 +35,7 @@ struct TraceScene {
 
 /// As kernels are told where it is.
 [[nodiscard]] kernels::ScenePlace place_of(const TraceScene& scene);
-[[nodiscard]] kernels::LayoutPlace place_of(const SceneLayout& layout);
+[[nodiscard]] kernels::LayoutPlace place_of(const WideParts& layout);
 
 /// How layouts are made on one device.
 struct LayoutSettings {
@@ -41,13 +44,14 @@ struct LayoutSettings {
 };
 [[nodiscard]] LayoutSettings resolve_layout_settings(Session& session, Shape shape);
 
-[[nodiscard]] ProgramSpec layout_program(const LayoutSettings& settings);
+[[nodiscard]] ProgramSpec wide_program(const LayoutSettings& settings, WideKind kind);
 
-/// Makes the scene's layout, within a stage of the launcher's. Five launches, none where there are no references.
-void launch_layout(Launcher& launcher, const LayoutSettings& settings, const TraceScene& scene);
+/// Makes the layout at `scene.layout`, within a stage of the launcher's. Up to five launches, none where there are no
+/// references.
+void launch_wide(Launcher& launcher, const LayoutSettings& settings, WideKind kind, const TraceScene& scene);
 
-/// Gives the scene's layout the boxes of the tree that it was made of, and the vertices of the mesh, within a stage of
+/// Gives the scene's wide8 the boxes of the tree that it was made of, and the vertices of the mesh, within a stage of
 /// the launcher's. Two launches, none where there are no references.
-void launch_layout_refit(Launcher& launcher, const LayoutSettings& settings, const TraceScene& scene);
+void launch_wide_refit(Launcher& launcher, const LayoutSettings& settings, const TraceScene& scene);
 
 }  // namespace clbvh::device

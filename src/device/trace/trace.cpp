@@ -102,7 +102,7 @@ void launch_trace(Launcher& launcher, const TraceSettings& settings, const Trace
     const ProgramSpec program = trace_program(settings);
     const auto kernel = [&](const char* name) -> Kernel& { return launcher.session().kernel(program, name); };
     const TraceScratch scratch = lay_out_trace_scratch(scene.node_count, rays.scratch);
-    const SceneLayout layout = lay_out_scene(scene.node_count, scene.reference_count, scene.layout);
+    const WideParts layout = lay_out_wide(WideKind::wide8, scene.node_count, scene.reference_count, scene.layout);
     const bool has_layout = scene.layout.is_there(), has_counts = rays.counts.is_there();
     kernels::ScenePlace place = place_of(scene);
     if (has_layout) place.form = kernels::INPUT_LEAF_ORDER;

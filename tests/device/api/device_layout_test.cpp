@@ -87,7 +87,8 @@ std::string difference(const DeviceScene& scene, const LayoutArray<Node>& nodes,
 }
 
 /// What differs between the layout in device memory and the host's; empty where nothing does.
-std::string difference(const DeviceScene& scene, const Wide8& expected) {
+template <std::uint32_t Width>
+std::string difference(const DeviceScene& scene, const WideLayout<Width>& expected) {
     return difference(scene, expected.nodes, expected.blocks, expected.depth);
 }
 
@@ -101,22 +102,22 @@ void expect_host_layout(DeviceTracer& tracer, DeviceScene scene, LayoutKind kind
     const DeviceRayMemory memory(tracer, scene.bvh, std::vector<Ray>(1), kind);
     scene.layout = memory.layout();
     scene.layout_kind = kind;
-    INFO("kind " << static_cast<int>(kind));
+    INFO("kind " << to_string(kind));
     tracer.enqueue_layout(queue()(), scene);
-    CHECK(difference(scene, expected).empty());
+    CHECK(difference(scene, expected) == "");
     CHECK(memory.guards_are_whole());
 }
 
 void expect_host_layouts(const DeviceScene& scene, const Bvh& bvh, const Mesh& mesh) {
     const auto wide8 = make_layout<Wide8>(bvh, mesh);
-    SkipLayout skip;
-    make_layout(bvh, skip);
-    PairLayout pair;
-    make_layout(bvh, pair);
+    const auto wide4 = make_layout<Wide4>(bvh, mesh);
+    const auto skip = make_layout<SkipLayout>(bvh);
+    const auto pair = make_layout<PairLayout>(bvh);
     for (const Shape shape : {Shape::group, Shape::lane}) {
         INFO(to_string(shape));
         DeviceTracer tracer(shared_context(), tracer_options(shape));
         expect_host_layout(tracer, scene, LayoutKind::wide8, wide8);
+        expect_host_layout(tracer, scene, LayoutKind::wide4, wide4);
         expect_host_layout(tracer, scene, LayoutKind::skip, skip);
         expect_host_layout(tracer, scene, LayoutKind::pair, pair);
     }
@@ -352,11 +353,11 @@ TEST_CASE("device layout: rays go through wide8 alone, and kinds that are not ma
     expect_stale(tracer, scene, memory.rays());  // overwritten
     expect_error(ErrorCode::invalid_input, {"the layout's kind is skip", "wide8"},
                  [&] { tracer.enqueue_closest(queue()(), skip, memory.rays()); });
-    for (const LayoutKind kind : {LayoutKind::wide4, LayoutKind::compressed8}) {
+    for (const LayoutKind kind : {LayoutKind::compressed8}) {
         scene.layout_kind = kind;
         CHECK(tracer.sizes(scene.bvh, kind).layout == 0);
         CHECK(DeviceTracer::layout_of(scene).nodes.buffer == nullptr);
-        expect_error(ErrorCode::unsupported, {std::string(to_string(kind)), "wide8, pair and skip"},
+        expect_error(ErrorCode::unsupported, {std::string(to_string(kind)), "wide8, wide4, pair and skip"},
                      [&] { tracer.enqueue_layout(queue()(), scene); });
     }
     queue().finish();
