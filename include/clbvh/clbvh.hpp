@@ -33,6 +33,7 @@
 #include "clbvh/metrics/epo.hpp"
 #include "clbvh/metrics/lcv.hpp"
 #include "clbvh/metrics/sah.hpp"
+#include "clbvh/metrics/surface_ray_cost.hpp"
 #include "clbvh/metrics/tree_statistics.hpp"
 #include "clbvh/optimize/rebuild.hpp"
 #include "clbvh/optimize/rebuild_policy.hpp"

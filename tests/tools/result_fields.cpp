@@ -65,7 +65,7 @@ Names common_names(bool on_device, bool is_peer) {
     const Names cost{"build_ms", "mtris_per_s", "stages"};
     const Names launches = on_device ? Names{"launch_overhead_ms", "launches", "iterations"} : Names{};
     const Names tree{
-        "sah", "depth", "nodes", "leaves", "references", "peak_bytes_per_primitive", "inactive_primitives"};
+        "sah", "ray_cost", "depth", "nodes", "leaves", "references", "peak_bytes_per_primitive", "inactive_primitives"};
     for (const Names& part : {identity, options, cost, launches, tree})
         names.insert(names.end(), part.begin(), part.end());
     return names;
@@ -121,6 +121,7 @@ void check_result(const ordered_json& result, const Names& extra) {
     CHECK(result["leaves"] <= result["references"]);
     CHECK(result["nodes"] == 2 * result["leaves"].get<std::uint64_t>() - 1);
     CHECK(result["sah"].get<double>() > 1.0);
+    CHECK(result["ray_cost"].get<double>() > 1.0);
     // The finished nodes of a device builder are 64 bytes per primitive; a host builder's references alone are 32.
     CHECK(result["peak_bytes_per_primitive"].get<double>() >= (on_device ? 64.0 : 32.0));
 }

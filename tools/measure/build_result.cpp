@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <clbvh/core/validate.hpp>
 #include <clbvh/metrics/sah.hpp>
+#include <clbvh/metrics/surface_ray_cost.hpp>
 #include <clbvh/metrics/tree_statistics.hpp>
 #include <cstddef>
 #include <limits>
@@ -92,7 +93,7 @@ void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool v
         result.leaves = report.leaves;
     }
     // A broken tree may have cycles: no cost of it is defined.
-    result.sah = std::numeric_limits<double>::quiet_NaN();
+    result.sah = result.ray_cost = std::numeric_limits<double>::quiet_NaN();
     if (!result.valid.value_or(true)) return;
     const TreeStatistics statistics = tree_statistics(bvh);
     result.depth = statistics.depth();
@@ -100,6 +101,7 @@ void describe_tree(BuildResult& result, const Bvh& bvh, const Mesh& mesh, bool v
     result.leaves = statistics.leaves;
     result.references = statistics.references;
     result.sah = sah_cost(bvh);
+    result.ray_cost = surface_ray_cost(bvh, mesh).cost;
 }
 
 int report_invalid_trees(std::span<const BuildResult> results) {

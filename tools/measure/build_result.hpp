@@ -51,6 +51,7 @@ struct BuildResult {
 
     bool has_tree = false;  ///< Where a peer's tree cannot be read, the fields from here to the error say nothing.
     double sah = 0.0;       ///< NaN where the tree is not valid.
+    double ray_cost = 0.0;  ///< SurfaceRayCost::cost; NaN where the tree is not valid.
     std::uint32_t depth = 0;
     std::uint64_t nodes = 0;
     std::uint64_t leaves = 0;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <clbvh/metrics/epo.hpp>
+#include <clbvh/metrics/surface_ray_cost.hpp>
 
 #include "cli/interrupt.hpp"
 #include "cli/stopwatch.hpp"
@@ -17,6 +18,7 @@ MetricsResult describe_metrics(const TraceResult& base, const Bvh& bvh, const Me
     MetricsResult result;
     result.trace = base;
     result.statistics = tree_statistics(bvh);
+    result.ray_cost = surface_ray_cost(bvh, mesh).cost;
     const Stopwatch stopwatch;
     if (epo_samples > 0) {
         const Estimate estimate = end_point_overlap_sampled(bvh, mesh, epo_samples);

@@ -52,6 +52,10 @@ public:
     [[nodiscard]] double sah_ratio(const BuildResult& result) const {
         return result.has_tree ? result.sah / sah_baseline_->sah : std::numeric_limits<double>::quiet_NaN();
     }
+    /// How many times what the SAH cost says, beside that of the same baseline, rays from surfaces cost.
+    [[nodiscard]] double ray_cost_over_sah(const BuildResult& result) const {
+        return result.ray_cost / sah_baseline_->ray_cost / sah_ratio(result);
+    }
     [[nodiscard]] std::string speedup_title() const { return "vs " + time_baseline_->builder; }
     [[nodiscard]] std::string sah_ratio_title() const { return "SAH/" + sah_baseline_->builder; }
 
@@ -99,6 +103,7 @@ std::vector<Column<BuildResult>> scene_columns(const Comparison& comparison) {
     if (comparison.sah_baseline() != nullptr)
         columns.push_back(
             {comparison.sah_ratio_title(), [&](Result r) { return fixed_text(comparison.sah_ratio(r), 4); }});
+    columns.push_back({"ray cost", of_tree([](Result r) { return fixed_text(r.ray_cost, 2); })});
     columns.push_back({"depth", of_tree([](Result r) { return std::to_string(r.depth); })});
     columns.push_back({"leaves", of_tree([](Result r) { return std::to_string(r.leaves); })});
     columns.push_back({"prims/leaf", of_tree([](Result r) { return fixed_text(r.primitives_per_leaf(), 2); })});
@@ -136,6 +141,23 @@ std::string scene_title(const std::optional<Context>& context, std::span<const B
     if (const auto result = first(BuilderKind::host); result != results.end())
         title += fmt::format("; host builders on {}", threads_text(result->threads));
     return title;
+}
+
+/// A line for each tree of which the SAH cost says something else than what rays cost.
+std::string disagreements(const Comparison& comparison, std::span<const BuildResult> results) {
+    constexpr double most = 2.0;
+    std::string text;
+    if (comparison.sah_baseline() == nullptr) return text;
+    for (const BuildResult& result : results) {
+        const double times = comparison.ray_cost_over_sah(result);
+        if (!(times > most || times < 1.0 / most)) continue;
+        text += fmt::format(
+            "note: rays from surfaces cost {} times in the tree of {} what they do in that of {}, where "
+            "the SAH cost says {}\n",
+            fixed_text(times * comparison.sah_ratio(result), 2), result.builder, comparison.sah_baseline()->builder,
+            fixed_text(comparison.sah_ratio(result), 2));
+    }
+    return text;
 }
 
 std::string native_sort_line(const BuildResult& result) {
@@ -189,8 +211,8 @@ std::vector<Column<Series>> means_columns(const Comparison& comparison) {
 
 std::string scene_report(const std::optional<Context>& context, std::span<const BuildResult> results) {
     const Comparison comparison(results);
-    return fmt::format("{}\n{}{}", scene_title(context, results), table_text(scene_columns(comparison), results),
-                       native_sort_line(results.front()));
+    return fmt::format("{}\n{}{}{}", scene_title(context, results), table_text(scene_columns(comparison), results),
+                       disagreements(comparison, results), native_sort_line(results.front()));
 }
 
 std::string means_report(std::span<const BuildResult> results, std::size_t builder_count) {

@@ -49,8 +49,9 @@ std::string first_build_line(const BuildResult& result, double milliseconds) {
 }
 
 std::string tree_line(const BuildResult& result) {
-    return fmt::format("SAH {:.3f}, depth {}, {} nodes, {} leaves of {:.2f} primitives", result.sah, result.depth,
-                       result.nodes, result.leaves, result.primitives_per_leaf());
+    return fmt::format("SAH {:.3f}, rays from surfaces {:.2f}, depth {}, {} nodes, {} leaves of {:.2f} primitives",
+                       result.sah, result.ray_cost, result.depth, result.nodes, result.leaves,
+                       result.primitives_per_leaf());
 }
 
 }  // namespace

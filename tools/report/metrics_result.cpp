@@ -34,6 +34,7 @@ nlohmann::ordered_json to_json(const MetricsResult& result) {
     nlohmann::ordered_json json = to_json(result.trace);
     json.erase("relative_speed");  // there need not be a baseline
     json["binary_ns_per_ray"] = result.binary_ns_per_ray();
+    json["ray_cost"] = result.ray_cost;
     json["epo"] = result.epo;
     if (result.epo_error) json["epo_standard_error"] = *result.epo_error;
     json["epo_ms"] = result.epo_ms;
@@ -55,6 +56,7 @@ std::string metrics_report(std::span<const MetricsResult> results) {
     const std::vector<Column<MetricsResult>> columns{
         {"builder", [](Result r) { return r.trace.builder; }},
         {"SAH", [](Result r) { return fixed_text(r.trace.sah, 3); }},
+        {"ray cost", [](Result r) { return fixed_text(r.ray_cost, 2); }},
         {"EPO", epo_text},
         {"LCV", [](Result r) { return fixed_text(r.trace.cost.leaf_count_variability, 3); }},
         {"overlap", [](Result r) { return fixed_text(r.statistics.sibling_overlap, 3); }},

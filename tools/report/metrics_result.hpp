@@ -16,6 +16,7 @@ namespace clbvh::tool {
 struct MetricsResult {
     TraceResult trace;
     TreeStatistics statistics;
+    double ray_cost = 0.0;  ///< SurfaceRayCost::cost
     double epo = 0.0;
     std::optional<double> epo_error;  ///< Standard error; absent where EPO is exact.
     double epo_ms = 0.0;              ///< Wall time to compute it.

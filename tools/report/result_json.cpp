@@ -67,6 +67,7 @@ ordered_json identity_json(const BuildResult& result) {
 
 void set_tree(ordered_json& json, const BuildResult& result) {
     json["sah"] = result.sah;
+    json["ray_cost"] = result.ray_cost;
     json["depth"] = result.depth;
     json["nodes"] = result.nodes;
     json["leaves"] = result.leaves;

@@ -109,8 +109,8 @@ TEST_CASE("bench prints one table a scene, and the means of several") {
     const Outcome two = run_tool({"bench", "gen:soup:1000", "gen:line:1000", "--runs", "1"});
     REQUIRE(two.exit_code == 0);
     CHECK_THAT(two.out, Contains("geometric means over 2 scenes"));
-    for (const char* column : {"median ms", "min ms", "Mtris/s", "vs ploc", "x sort", "SAH", "SAH/binned-sah", "depth",
-                               "leaves", "prims/leaf", "bytes/prim", "valid"}) {
+    for (const char* column : {"median ms", "min ms", "Mtris/s", "vs ploc", "x sort", "SAH", "SAH/binned-sah",
+                               "ray cost", "depth", "leaves", "prims/leaf", "bytes/prim", "valid"}) {
         CHECK_THAT(one.out, Contains(column));
     }
     for (const BuilderInfo& builder : builders()) {
@@ -127,6 +127,17 @@ TEST_CASE("the columns of bench's table are aligned") {
     const Words lines = lines_of(outcome.out);
     for (std::size_t i = kHeader + 1; i <= kHeader + builders().size(); ++i)
         CHECK(lines.at(i).size() == lines.at(kHeader).size());
+}
+
+TEST_CASE("bench says where the SAH cost and the cost of rays disagree") {
+    const auto notes = [](const std::string& code) {
+        const Outcome outcome = run_tool({"bench", "gen:outlier:1000000:8000", "--builders", "lbvh,binned-sah",
+                                          "--runs", "1", "--morton", code, "--max-leaf", "8"});
+        REQUIRE(outcome.exit_code == 0);
+        return count_lines_that_start_with(outcome.out, "note: rays from surfaces cost ");
+    };
+    CHECK(notes("xyz") == 1);
+    CHECK(notes("cubic") == 0);
 }
 
 TEST_CASE("bench compares with what ran") {

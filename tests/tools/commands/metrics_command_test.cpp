@@ -6,6 +6,7 @@
 #include <clbvh/metrics/epo.hpp>
 #include <clbvh/metrics/lcv.hpp>
 #include <clbvh/metrics/sah.hpp>
+#include <clbvh/metrics/surface_ray_cost.hpp>
 #include <clbvh/metrics/tree_statistics.hpp>
 #include <clbvh/trace/binary_tracer.hpp>
 #include <clbvh/trace/tracer.hpp>
@@ -74,6 +75,7 @@ TEST_CASE("metrics tells of a tree and of its rays what the library says of them
         const Bvh bvh = Builder(result["builder"].get<std::string>()).build(mesh);
         const TreeStatistics statistics = tree_statistics(bvh);
         CHECK(result["sah"] == sah_cost(bvh));
+        CHECK(result["ray_cost"] == surface_ray_cost(bvh, mesh).cost);
         CHECK(result["epo"] == end_point_overlap(bvh, mesh));
         CHECK_FALSE(result.contains("epo_standard_error"));
         CHECK(result["epo_ms"].get<double>() > 0.0);

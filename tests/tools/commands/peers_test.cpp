@@ -102,8 +102,8 @@ TEST_CASE("bench shows no tree of a peer whose tree cannot be read") {
     const std::size_t begin = outcome.out.find("\nembree-commit-low ") + 1;
     REQUIRE(begin > 0);
     const std::string row = outcome.out.substr(begin, outcome.out.find('\n', begin) - begin);
-    // SAH, depth, leaves, primitives a leaf and validity; there is no baseline to compare with.
-    CHECK(std::count(row.begin(), row.end(), '-') == 5 + 2);
+    // SAH, ray cost, depth, leaves, primitives a leaf and validity; there is no baseline to compare with.
+    CHECK(std::count(row.begin(), row.end(), '-') == 6 + 2);
 }
 
 TEST_CASE("peers run on the threads that there are, and standard error stays empty") {
