@@ -33,14 +33,16 @@ struct BuilderInfo {
 /// rays, see docs/presets.md. Its id stands wherever a builder's may: `Builder("high")`, `--builder high`; for
 /// DeviceBuilder only that of "fast".
 struct PresetInfo {
-    std::string_view id;                ///< "fast", "balanced", "high" or "highest".
-    std::string_view title;             ///< One line for people.
-    std::string_view builder;           ///< Id of its builder.
-    std::string_view optimizers = {};   ///< As BuildOptions::optimizers.
-    std::uint32_t optimize_passes = 0;  ///< As BuildOptions::optimize_passes.
-    std::uint32_t max_leaf_size = 0;    ///< As BuildOptions::max_leaf_size.
-    std::uint32_t leaf_size = 0;        ///< As HplocConfig::leaf_size; 0: as it is.
-    std::uint32_t code_bits = 0;        ///< As DeviceConfig::code_bits; 0: as it is.
+    std::string_view id;                               ///< "fast", "balanced", "high" or "highest".
+    std::string_view title;                            ///< One line for people.
+    std::string_view builder;                          ///< Id of its builder.
+    std::string_view optimizers = {};                  ///< As BuildOptions::optimizers.
+    std::uint32_t optimize_passes = 0;                 ///< As BuildOptions::optimize_passes.
+    std::uint32_t max_leaf_size = 0;                   ///< As BuildOptions::max_leaf_size.
+    std::uint32_t leaf_size = 0;                       ///< As HplocConfig::leaf_size; 0: as it is.
+    std::uint32_t code_bits = 0;                       ///< As DeviceConfig::code_bits; 0: as it is.
+    float split_overlap = 0.0f;                        ///< As SbvhConfig::overlap; 0: as it is.
+    NodeOpening opening = NodeOpening::largest_first;  ///< As BuildOptions::opening.
 };
 
 /// Every preset, the fastest first.

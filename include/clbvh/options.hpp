@@ -11,6 +11,7 @@
 #include "clbvh/export.h"
 #include "clbvh/host/binned_sah.hpp"
 #include "clbvh/host/sbvh.hpp"
+#include "clbvh/layout/node_opening.hpp"
 
 namespace clbvh {
 
@@ -46,6 +47,8 @@ struct BuildOptions : DeviceBuilderConfigs {
     std::uint32_t optimize_passes = 0;  ///< Most passes of each of them; on a device never more than 1000. 0: as many
                                         ///< as it finds worth while.
     OptimizeOn optimize_on = OptimizeOn::host;  ///< Where they run; see OptimizeOn.
+    bool ray_cost = false;  ///< Fill BuildStats::ray_cost, where a Builder builds over triangles; some 20 ms.
+    NodeOpening opening = NodeOpening::largest_first;  ///< Of what Builder::build_layout and build_tracer make.
     std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
 
     /// The costs and the largest leaf of these two are those above: here they must be left alone.

@@ -17,6 +17,7 @@
 #include "clbvh/device/context.hpp"
 #include "core/arena_size.hpp"
 #include "core/memory_errors.hpp"
+#include "metrics/surface_rays.hpp"
 
 namespace clbvh {
 namespace {
@@ -49,6 +50,18 @@ bool needs_splitting(const BuildOptions& options) {
 /// True where there is work behind the builder.
 bool needs_finish(const BuildOptions& options) {
     return needs_splitting(options) || options.max_leaf_size > 0 || optimizes_on_host(options);
+}
+
+/// Does the work of a stage on the host behind a build.
+template <typename Work>
+void add_stage(BuildStats& stats, const char* name, const Work& work) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
+    StageStats& stage = stats.stages.emplace_back();
+    stage.name = name;
+    stage.host_ms = time.count();
+    stats.build_ms += time.count();
 }
 
 /// The builder's part of a build that has stages before and behind it.
@@ -106,6 +119,7 @@ struct CLBVH_NO_EXPORT Builder::State {
     BuildStats run();
     void with_tree(const std::function<void(const layout::TreeView&)>& read) const;
     void make_layout(const MeshView& mesh, Wide8& result, BuildStats& stats);
+    void measure_rays(BuildStats& stats);
 
     [[nodiscard]] bool is_presplit() const noexcept { return needs_splitting(options); }
     [[nodiscard]] bool is_finished_here() const noexcept { return needs_finish(options); }
@@ -122,6 +136,7 @@ struct CLBVH_NO_EXPORT Builder::State {
     layout::WideConverter<8> converter;
     std::uint64_t primitive_count = 0;
     std::uint64_t inactive_primitives = 0;
+    std::optional<MeshView> uploaded_mesh;
     Mesh owned_mesh;  // what upload() was given to keep
     std::vector<Aabb> owned_boxes;
     bool uploaded = false;
@@ -145,18 +160,21 @@ void Builder::State::upload(const Primitives& primitives) {
     if (is_presplit() && mesh == nullptr) refuse_to_split_boxes(options);
     inactive_primitives = arena.execute([&] { return check_primitives(primitives); });
     primitive_count = count_of(primitives);
+    uploaded_mesh.reset();
     if (is_presplit()) {
         arena.execute([&] { presplit.run(*mesh, share_of_builder(options).begin); });
         backend->upload({BoxView(presplit.boxes()), presplit.boxes().size(), presplit.triangles()});
     } else {
         backend->upload({primitives, primitive_count - inactive_primitives, {}});
     }
+    if (mesh != nullptr) uploaded_mesh = *mesh;
     uploaded = true;
 }
 
 void Builder::State::release_input() {
     uploaded = false;
     backend->release_input();
+    uploaded_mesh.reset();
     owned_mesh = {};
     owned_boxes = {};
 }
@@ -171,6 +189,7 @@ BuildStats Builder::State::run() {
         arena.execute([&] { finish.run(*backend, input, share_of_builder(options).end, stats); });
     }
     finished = true;
+    if (options.ray_cost && uploaded_mesh) measure_rays(stats);
     return stats;
 }
 
@@ -183,13 +202,21 @@ void Builder::State::with_tree(const std::function<void(const layout::TreeView&)
 }
 
 void Builder::State::make_layout(const MeshView& mesh, Wide8& result, BuildStats& stats) {
-    const auto begin = std::chrono::steady_clock::now();
-    with_tree([&](const layout::TreeView& tree) { arena.execute([&] { converter.run(tree, mesh, result); }); });
-    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
-    StageStats& stage = stats.stages.emplace_back();
-    stage.name = "wide8";
-    stage.host_ms = time.count();
-    stats.build_ms += time.count();
+    add_stage(stats, "wide8", [&] {
+        with_tree([&](const layout::TreeView& tree) {
+            arena.execute([&] { converter.run(tree, mesh, result, options.opening); });
+        });
+    });
+}
+
+void Builder::State::measure_rays(BuildStats& stats) {
+    add_stage(stats, "ray-cost", [&] {
+        with_tree([&](const layout::TreeView& tree) {
+            stats.ray_cost = arena.execute([&] {
+                return trace_surface_rays(tree.nodes, tree.primitive_ids, *uploaded_mesh, kSurfaceRays, {}).cost;
+            });
+        });
+    });
 }
 
 void Builder::upload(const Primitives& primitives) {

@@ -25,12 +25,16 @@ constexpr PresetInfo kPresets[] = {
      .optimizers = "reinsert",
      .optimize_passes = 4,
      .max_leaf_size = 8,
-     .leaf_size = 2},
+     .leaf_size = 2,
+     .opening = NodeOpening::least_cost},
     {.id = "highest",
      .title = "Spatial splits, then reinsertion: for what is traced for minutes",
      .builder = "sbvh",
      .optimizers = "reinsert",
-     .max_leaf_size = 8},
+     .optimize_passes = 4,
+     .max_leaf_size = 8,
+     .split_overlap = 0.4f,
+     .opening = NodeOpening::least_cost},
 };
 
 }  // namespace
@@ -57,6 +61,9 @@ BuildOptions with_preset(const PresetInfo& preset, BuildOptions options) {
     }
     if (preset.code_bits > 0 && options.device.code_bits == DeviceConfig().code_bits)
         options.device.code_bits = preset.code_bits;
+    if (preset.split_overlap > 0.0f && options.sbvh.overlap == SbvhConfig().overlap)
+        options.sbvh.overlap = preset.split_overlap;
+    if (options.opening == BuildOptions().opening) options.opening = preset.opening;
     return options;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "clbvh/core/vector.hpp"
 #include "clbvh/trace/traverse.hpp"
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
@@ -107,6 +108,10 @@ Ray ray_from(const TriangleSurface& surface, const SequencePoint& at) noexcept {
     ray.origin = {static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])};
     ray.direction = {static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle)),
                      static_cast<float>(z)};
+    // As renderers have it: boxes that the ray leaves at once do not count, those of flat things among them.
+    const Aabb& box = surface.bounds();
+    const Vec3 reach = max(max(box.upper, -box.upper), max(box.lower, -box.lower));
+    ray.t_min = 0x1p-18f * std::max({reach.x, reach.y, reach.z});
     return ray;
 }
 

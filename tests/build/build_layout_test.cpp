@@ -44,15 +44,30 @@ TEST_CASE("the layout that a builder makes is that of its tree") {
         Builder builder = make_builder(id);
         Wide8 layout;
         BuildStats stats;
+        LayoutOptions options;
+        options.opening = builder.options().opening;
         builder.build_layout(mesh, layout, &stats);
-        CHECK(same_layouts(layout, make_layout<Wide8>(builder.build(mesh), mesh)));
+        CHECK(same_layouts(layout, make_layout<Wide8>(builder.build(mesh), mesh, options)));
         REQUIRE_FALSE(stats.stages.empty());
         CHECK(stats.stages.back().name == "wide8");
         builder.build_layout(small, layout);
-        CHECK(same_layouts(layout, make_layout<Wide8>(builder.build(small), small)));
+        CHECK(same_layouts(layout, make_layout<Wide8>(builder.build(small), small, options)));
         builder.build_layout(Mesh{}, layout);
         CHECK(layout.empty());
     }
+}
+
+TEST_CASE("a builder's option says how wide nodes are opened") {
+    const Mesh mesh = generate_scene("city", 3000);
+    BuildOptions options;
+    options.opening = NodeOpening::least_cost;
+    Wide8 layout;
+    make_builder("median", options).build_layout(mesh, layout);
+    const Bvh tree = make_builder("median").build(mesh);
+    LayoutOptions least_cost;
+    least_cost.opening = NodeOpening::least_cost;
+    CHECK(same_layouts(layout, make_layout<Wide8>(tree, mesh, least_cost)));
+    CHECK_FALSE(same_layouts(layout, make_layout<Wide8>(tree, mesh)));
 }
 
 TEST_CASE("what stages before and behind a builder change is laid out") {

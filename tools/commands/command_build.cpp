@@ -4,7 +4,6 @@
 #include <clbvh/builder.hpp>
 #include <clbvh/io/bvh_file.hpp>
 #include <clbvh/io/layout_file.hpp>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -37,7 +36,6 @@ struct BuildCommandArguments {
     bool validate = false;
     std::string output;
     std::string layout;  // empty where the tree itself is written
-    NodeOpening opening = NodeOpening::largest_first;
     JsonOutput json;
 };
 
@@ -89,9 +87,9 @@ std::string write_output(const BuildCommandArguments& arguments, const Bvh& bvh,
         write_bvh(bvh, arguments.output);
         return arguments.output;
     }
+    const BuildOptions options = with_preset(arguments.builder, arguments.build.options);
     with_layout(layout_kind(arguments.layout), [&](auto layout) {
-        lay_out(bvh, mesh, layout,
-                {.thread_count = arguments.build.options.thread_count, .opening = arguments.opening});
+        lay_out(bvh, mesh, layout, {.thread_count = options.thread_count, .opening = options.opening});
         if (arguments.validate) validate(layout, mesh);
         write_layout(layout, arguments.output);
     });
@@ -103,6 +101,8 @@ int build(const BuildCommandArguments& arguments) {
     const BuilderChoice choice = choose_builders(arguments.builder, arguments.build.device, kOneBuilderWayOut);
     const std::optional<Context>& context = choice.context;
     arguments.build.note_unread(choice.ids);
+    if (arguments.layout.empty() && arguments.build.options.opening != BuildOptions().opening)
+        fmt::print(stderr, "clbvh: note: --opening changes nothing here without --layout\n");
     const Stopwatch load;
     const Mesh mesh = arguments.loading.load(arguments.scene);
     const double load_ms = load.milliseconds();
@@ -143,15 +143,9 @@ Command add_build_command(CLI::App& app) {
         command->add_option("-o,--output", arguments->output, "Write the tree to this file, which clbvh dump shows")
             ->type_name("FILE")
             ->check(require_file_name);
-    CLI::Option* layout =
-        command->add_option("--layout", arguments->layout, "Write this layout of the tree in its place")
-            ->needs(output)
-            ->check(CLI::IsMember({"wide8", "wide4", "compressed8", "pair", "skip"}));
-    command->add_option("--opening", arguments->opening, "How nodes of wide layouts are opened")
-        ->needs(layout)
-        ->type_name("largest-first|least-cost")
-        ->transform(CLI::Transformer(std::map<std::string, NodeOpening>{{"largest-first", NodeOpening::largest_first},
-                                                                        {"least-cost", NodeOpening::least_cost}}));
+    command->add_option("--layout", arguments->layout, "Write this layout of the tree in its place")
+        ->needs(output)
+        ->check(CLI::IsMember({"wide8", "wide4", "compressed8", "pair", "skip"}));
     command->add_flag("--validate", arguments->validate,
                       "Prove the tree right, and its layout; exit code 3 where the tree is not");
     arguments->json.add_option(*command);

@@ -106,6 +106,8 @@ Listing list_presets(const std::string& missing) {
                                    {"max_leaf_size", preset.max_leaf_size},
                                    {"leaf_size", preset.leaf_size},
                                    {"code_bits", preset.code_bits},
+                                   {"split_overlap", preset.split_overlap},
+                                   {"opening", to_string(preset.opening)},
                                    {"available", runs_on_host(preset.id) || missing.empty()}});
     }
     return listing;

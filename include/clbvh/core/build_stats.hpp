@@ -14,8 +14,8 @@ namespace clbvh {
 /// Host builders begin with "bounds" and end with "layout", and have of "morton", "sort", "order", "build" and
 /// "cluster" those that they need between. A build that splits triangles begins with "presplit". One with optimisers
 /// has a stage named after the id of each; one whose leaves the host merges, or whose triangles were split, ends with
-/// "collapse"; whatever the host works on has "download" first where a device built the tree. Builder::build_layout has
-/// "wide8" last.
+/// "collapse"; whatever the host works on has "download" first where a device built the tree. BuildOptions::ray_cost
+/// adds "ray-cost", and Builder::build_layout has "wide8" last.
 struct StageStats {
     std::string name;        ///< One of those above.
     double device_ms = 0.0;  ///< Sum of the kernels' execution times on the device; 0 where the queue does not profile.
@@ -33,8 +33,9 @@ struct BuildStats {
     std::uint32_t iterations = 0;  ///< Rounds of clustering that the host launched one by one; 0 for other builders.
     std::vector<std::uint32_t> clusters_per_iteration;  ///< Clusters alive at the start of each of those iterations.
     std::uint64_t peak_device_bytes = 0;                ///< Largest sum of the build's device buffers, input excluded.
-    std::uint64_t peak_host_bytes = 0;      ///< Most that the host's work took: scratch, trees and parts of triangles;
-                                            ///< input and download() excluded.
+    std::uint64_t peak_host_bytes = 0;  ///< Most that the host's work took: scratch, trees and parts of triangles;
+                                        ///< input and download() excluded.
+    double ray_cost = 0.0;  ///< With BuildOptions::ray_cost, SurfaceRayCost::cost of the finished tree; else 0.
     std::uint64_t inactive_primitives = 0;  ///< Primitives with a NaN coordinate, left out of the tree.
 };
 

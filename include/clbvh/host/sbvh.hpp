@@ -17,6 +17,8 @@ struct SbvhConfig {
     std::uint32_t spatial_bin_count = 16;  ///< Bins an axis of spatial splits, over the node's box, 2 to 64.
     float alpha = 1e-5f;                   ///< Least overlap of the object split's children, relative to the scene's
                                            ///< half area, that makes it try a spatial split, 0 to 1.
+    float overlap = 0.0f;                  ///< The same relative to the node's own half area, 0 to 1; 0: alpha alone,
+                                           ///< as in the paper.
     float reference_budget = 2.0f;         ///< Most references, as a multiple of the primitives, 1 to 8.
     float inner_cost = 1.2f;               ///< Cost of visiting an inner node, above 0.
     float primitive_cost = 1.0f;           ///< Cost of testing one primitive, above 0.

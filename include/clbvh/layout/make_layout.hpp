@@ -4,14 +4,9 @@
 
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/core/primitives.hpp"
+#include "clbvh/layout/node_opening.hpp"
 
 namespace clbvh {
-
-/// Which nodes of the binary tree become the children of a node of many children.
-enum class NodeOpening : std::uint8_t {
-    largest_first,  ///< The one with the largest box is opened until there is no room for more.
-    least_cost      ///< Those of the tree with the least SAH cost of all: slower to find, see docs/layouts.md.
-};
 
 /// How a layout is made.
 struct LayoutOptions {

@@ -29,7 +29,8 @@ inline constexpr std::uint32_t kSurfaceRays = 10000;
 /// The rays are the same for all trees over a mesh: a sequence of low discrepancy (Roberts 2018, "The Unreasonable
 /// Effectiveness of Quasirandom Sequences", R5) chooses where they begin and where they go, half of them from triangles
 /// that are all as likely, half by area. Inactive triangles and those without area send none. The tree is followed two
-/// children at a time, the nearer one first, as BinaryTracer does; the triangle that a ray begins on does not end it.
+/// children at a time, the nearer one first, as BinaryTracer does; the triangle that a ray begins on does not end it,
+/// and it begins 2^-18 of its largest coordinate away from there.
 ///
 /// In the calling task arena of oneTBB, the same bits on any number of threads; some 10 ms for 10,000 rays and some a
 /// million triangles. 0 where no ray was traced. Throws Error(invalid_input) for a negative or non-finite cost, a

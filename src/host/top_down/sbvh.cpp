@@ -120,7 +120,7 @@ private:
         }
         const Binning binning(job.bounds.centroids, config_.bin_count, false);
         const ObjectSplit object = find_object_split(job, arrays.current, binning);
-        if (may_cut(job) && (!object.split.found() || object.overlap > least_overlap_)) {
+        if (may_cut(job) && (!object.split.found() || object.overlap > least_overlap(job))) {
             const SpatialBinning spatial_binning(job.bounds.box, config_.spatial_bin_count);
             const SpatialSplit spatial = find_spatial_split(job.range, arrays.current, spatial_binning);
             if (spatial.cost < (object.split.found() ? object.split.cost : halving_cost(job))) {
@@ -135,6 +135,12 @@ private:
     }
 
     [[nodiscard]] static bool may_cut(const Job& job) noexcept { return job.range.capacity() > job.range.count; }
+
+    /// Of an object split's children, above which planes are tried: of the scene for the paper's sake, and of the node,
+    /// since the budget is better spent where a plane has much to take apart.
+    [[nodiscard]] float least_overlap(const Job& job) const noexcept {
+        return std::max(least_overlap_, config_.overlap * job.bounds.box.half_area());
+    }
 
     [[nodiscard]] bool becomes_leaf(const Job& job, float split_cost) const {
         if (job.range.count > config_.max_leaf_size) return false;
@@ -225,6 +231,7 @@ void check(const SbvhConfig& config) {
     check_field("bin_count", config.bin_count, kBinCounts);
     check_field("spatial_bin_count", config.spatial_bin_count, kBinCounts);
     check_field("alpha", config.alpha, kSplitAlphas);
+    check_field("overlap", config.overlap, kSplitOverlaps);
     check_field("reference_budget", config.reference_budget, kReferenceBudgets);
     check_positive("inner_cost", config.inner_cost);
     check_positive("primitive_cost", config.primitive_cost);

@@ -215,6 +215,31 @@ TEST_CASE("overlap below alpha is not worth a spatial split") {
     CHECK(same_tree(bvh, build_binned_sah(boxes_of(mesh))));
 }
 
+TEST_CASE("planes are tried where children overlap by more than the configured part of their parent") {
+    // A row of eight boxes at either end of a beam that is 10 long. Without a plane, the beam shares a child with one
+    // row, and that child reaches over the other row.
+    for (const float width : {1.0f, 2.0f, 3.0f}) {
+        std::vector<Aabb> boxes{{{0, 0, 0}, {10, 1, 1}}};
+        for (int i = 0; i < 8; ++i) {
+            const float x = width * static_cast<float>(i) / 8;
+            boxes.push_back({{x, 0, 0}, {x + width / 8, 1, 1}});
+            boxes.push_back({{10 - x - width / 8, 0, 0}, {10 - x, 1, 1}});
+        }
+        const float part = (2 * width + 1) / 21;
+        SbvhConfig config;
+        config.max_leaf_size = 9;
+        config.inner_cost = 1000;
+        const auto references = [&](float overlap) {
+            config.overlap = overlap;
+            return build_sbvh(boxes, config).primitive_ids.size();
+        };
+        INFO("rows of " << width << ", overlap " << part);
+        CHECK(references(0) == 18);
+        CHECK(references(part - 0.01f) == 18);
+        CHECK(references(part + 0.01f) == 17);
+    }
+}
+
 TEST_CASE("a straddler that hardly costs more whole is not cut") {
     // Hundred boxes to each side of x = 8, and one that reaches over it by a sixteenth.
     std::vector<host::Reference> references;
@@ -300,6 +325,9 @@ TEST_CASE("sbvh names what is wrong with its input") {
     config.spatial_bin_count = 65;
     expect_rejected(config, "spatial_bin_count is 65", "2 to 64");
     config = {};
+    config.overlap = 1.5f;
+    expect_rejected(config, "overlap is 1.5", "0 to 1");
+    config.overlap = 0.0f;
     config.alpha = -0.1f;
     expect_rejected(config, "alpha is -0.1", "0 to 1");
     config = {};

@@ -77,6 +77,8 @@ TEST_CASE("builders lists the presets, and which of them can run") {
         CHECK(list[i]["max_leaf_size"] == preset.max_leaf_size);
         CHECK(list[i]["leaf_size"] == preset.leaf_size);
         CHECK(list[i]["code_bits"] == preset.code_bits);
+        CHECK(list[i]["split_overlap"] == preset.split_overlap);
+        CHECK(list[i]["opening"] == to_string(preset.opening));
         CHECK(list[i]["available"] == true);
         CHECK(without_device[i]["available"] == (find_builder(preset.id).kind == BuilderKind::host));
         CHECK_THAT(table.out, Contains(std::string(preset.id)) && Contains(std::string(preset.title)));
