@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "clbvh/core/aabb.hpp"
 #include "core/simd/float4.hpp"
 
 namespace clbvh::layout {
