@@ -24,9 +24,11 @@ struct DeviceSpan {
     std::uint64_t offset = 0;
 
     constexpr DeviceSpan() = default;
+    // NOLINTBEGIN(google-explicit-constructor): a span is what the buffer is
     constexpr DeviceSpan(cl_mem memory, std::uint64_t first = 0) : buffer(memory), offset(first) {}
     template <OpenClObject<cl_mem> Buffer>
     DeviceSpan(const Buffer& memory, std::uint64_t first = 0) : buffer(memory()), offset(first) {}
+    // NOLINTEND(google-explicit-constructor)
 };
 
 /// Events to wait for, of the caller's: any contiguous range of cl_event, or of objects that hold one and nothing else,
@@ -35,6 +37,7 @@ class EventList {
 public:
     constexpr EventList() = default;
     constexpr EventList(const cl_event* first, std::size_t count) : events_(first, count) {}
+    // NOLINTBEGIN(google-explicit-constructor): a list is what the range is
     template <std::ranges::contiguous_range Events>
     requires std::same_as<std::ranges::range_value_t<Events>, cl_event> EventList(const Events& events)
         : events_(std::ranges::data(events), std::ranges::size(events)) {}
@@ -42,6 +45,7 @@ public:
     requires(OpenClObject<std::ranges::range_value_t<Events>, cl_event> &&
              sizeof(std::ranges::range_value_t<Events>) == sizeof(cl_event)) EventList(const Events& events)
         : events_(reinterpret_cast<const cl_event*>(std::ranges::data(events)), std::ranges::size(events)) {}
+    // NOLINTEND(google-explicit-constructor)
 
     [[nodiscard]] constexpr std::span<const cl_event> events() const noexcept { return events_; }
 
