@@ -37,6 +37,7 @@
 #include "clbvh/metrics/tree_statistics.hpp"
 #include "clbvh/optimize/rebuild.hpp"
 #include "clbvh/optimize/rebuild_policy.hpp"
+#include "clbvh/optimize/rebuild_top.hpp"
 #include "clbvh/optimize/refit.hpp"
 #include "clbvh/optimize/reinsert.hpp"
 #include "clbvh/optimize/rotate.hpp"

@@ -7,6 +7,7 @@
 #include "catalog/optimizer_rows.hpp"
 #include "clbvh/core/error.hpp"
 #include "clbvh/optimize/rebuild.hpp"
+#include "clbvh/optimize/rebuild_top.hpp"
 #include "clbvh/optimize/reinsert.hpp"
 #include "clbvh/optimize/rotate.hpp"
 #include "clbvh/optimize/treelet.hpp"
@@ -61,6 +62,10 @@ const OptimizerRow kRows[] = {
                   "Subtrees are built anew by sweep SAH where that is cheaper: for scanned surfaces, before reinsert",
               .paper = "Yoon, Curtis, Manocha 2007"},
      .run = run_within<RebuildConfig, rebuild>},
+    {.info = {.id = "rebuild-top",
+              .title = "What is above subtrees of 64 primitives is built anew by binned SAH where that is cheaper",
+              .paper = "Pantaleoni, Luebke 2010"},
+     .run = run_within<RebuildTopConfig, rebuild_top>},
     {.info = {.id = "rotate", .title = "Hill climbing by tree rotations", .paper = "Kensler 2008"},
      .run = run_within<RotateConfig, rotate>},
     {.info = {.id = "anneal",

@@ -2,13 +2,11 @@
 // Restructuring", do to trees of deforming meshes; here by the sweep of sweep_sah.hpp.
 #include "clbvh/optimize/rebuild.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <limits>
 #include <span>
 #include <utility>
@@ -17,7 +15,7 @@
 #include "core/bottom_up.hpp"
 #include "core/check_field.hpp"
 #include "core/exact_areas.hpp"
-#include "host/top_down/sweep_sah.hpp"
+#include "host/top_down/cluster_top.hpp"
 #include "optimize/pass_clock.hpp"
 #include "optimize/run_optimizer.hpp"
 
@@ -25,60 +23,14 @@ namespace clbvh {
 namespace {
 
 constexpr std::uint32_t kPasses = 2;
+constexpr float kNoLimit = -1.0f;
 constexpr std::size_t kSubtreesBetweenLooks = 64;  // at the clock: some tens of milliseconds
 
-/// Contents of the subtree below a node: slots of its sibling pairs, its leaves, and the summed half areas of its inner
-/// nodes.
-struct Subtree {
-    std::vector<std::uint32_t> pairs;
-    std::vector<Node> leaves;
-    double area = 0.0;
-
-    /// Replaces what it held.
-    void gather(std::span<const Node> nodes, std::uint32_t root) {
-        pairs.clear();
-        leaves.clear();
-        area = 0.0;
-        std::vector<std::uint32_t> stack{root};
-        while (!stack.empty()) {
-            const Node& node = nodes[stack.back()];
-            stack.pop_back();
-            if (node.is_leaf()) {
-                leaves.push_back(node);
-                continue;
-            }
-            area += exact_half_area(node);
-            pairs.push_back(node.first);
-            stack.insert(stack.end(), {node.first + 1, node.first});
-        }
-    }
-};
-
-/// The memory that a thread builds in. Its memory stays from subtree to subtree: fresh pages would cost more than the
-/// build.
+/// The memory that a thread builds in.
 struct Workspace {
-    Subtree old;
-    std::vector<Aabb> boxes;
-    Scratch scratch;
-    Bvh tree;
-
-    /// The best tree of the greedy builder over the old leaves: leaf i stands for old.leaves[i].
-    void build() {
-        boxes.resize(old.leaves.size());
-        std::ranges::transform(old.leaves, boxes.begin(), &Node::bounds);
-        SweepSahConfig config;
-        config.max_leaf_size = 1;
-        host::build_sweep_sah(boxes, config, scratch, tree);
-    }
+    host::ClusterTop old;
+    host::TopWorkspace build;
 };
-
-double inner_half_area(const Bvh& tree) {
-    double sum = exact_half_area(tree.nodes[0]);
-    for (std::size_t i = 2; i < tree.nodes.size(); ++i) {
-        if (!tree.nodes[i].is_leaf()) sum += exact_half_area(tree.nodes[i]);
-    }
-    return sum;
-}
 
 class Rebuilder {
 public:
@@ -159,37 +111,9 @@ private:
 
     Sums rebuild_at(std::uint32_t root) {
         Workspace& space = workspaces_.local();
-        space.old.gather(nodes_, root);
-        // Isolated: a thread that waits for its own build must not take up another subtree in the same workspace.
-        tbb::this_task_arena::isolate([&] { space.build(); });
-        const double area = inner_half_area(space.tree);
-        // The two sums add in different orders, and so differ by rounding where the trees are the same.
-        if (!(area < space.old.area * (1.0 - 1e-12))) return {};
-        write(root, space.tree, space.old);
-        return {space.old.area - area, 1};
-    }
-
-    /// Puts `tree` in the place of the subtree, in the pairs that it has.
-    void write(std::uint32_t root, const Bvh& tree, const Subtree& old) {
-        struct Place {
-            std::uint32_t slot;  // in nodes_,
-            std::uint32_t node;  // of what of `tree`
-        };
-        std::vector<Place> stack{{root, 0}};
-        std::size_t pairs_used = 0;
-        while (!stack.empty()) {
-            const Place place = stack.back();
-            stack.pop_back();
-            Node node = tree.nodes[place.node];
-            if (node.is_leaf()) {
-                nodes_[place.slot] = old.leaves[tree.primitive_ids[node.first]];
-                continue;
-            }
-            const std::uint32_t pair = old.pairs[pairs_used++];
-            stack.insert(stack.end(), {{pair + 1, node.first + 1}, {pair, node.first}});
-            node.first = pair;
-            nodes_[place.slot] = node;
-        }
+        space.old.gather(nodes_, root, nodes_[root], kNoLimit);
+        const double gain = host::rebuild_top(nodes_, space.old, 0, host::build_by_sweep, space.build);
+        return {gain, gain > 0.0 ? 1u : 0u};
     }
 
     std::vector<Node>& nodes_;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "core/check_field.hpp"
@@ -191,6 +192,12 @@ void check(const BinnedSahConfig& config) {
 
 void build_binned_sah(HostBuild& build, const BinnedSahConfig& config) {
     BinnedSahBuilder(build, config).run();
+}
+
+void build_binned_sah(std::span<const Aabb> bounds, const BinnedSahConfig& config, Scratch& scratch, Bvh& result) {
+    check(config);
+    build_over(
+        bounds, [&](HostBuild& build) { build_binned_sah(build, config); }, scratch, result);
 }
 
 }  // namespace clbvh::host
