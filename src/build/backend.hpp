@@ -50,8 +50,8 @@ public:
 /// `options` are in range; they and the arena, where all work is done, outlive the backend.
 [[nodiscard]] std::unique_ptr<Backend> make_host_backend(const BuilderRow& row, const BuildOptions& options,
                                                          tbb::task_arena& arena);
-/// Throws where the device cannot do what `options` ask for.
+/// Likewise, but the arena is for the host's part. Throws where the device cannot do what `options` ask for.
 [[nodiscard]] std::unique_ptr<Backend> make_device_backend(const BuilderRow& row, const BuildOptions& options,
-                                                           const Context& context);
+                                                           const Context& context, tbb::task_arena& arena);
 
 }  // namespace clbvh

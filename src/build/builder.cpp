@@ -110,7 +110,7 @@ struct CLBVH_NO_EXPORT Builder::State {
             context.reset();
             backend = make_host_backend(row, backend_options, arena);
         } else {
-            backend = make_device_backend(row, backend_options, *context);
+            backend = make_device_backend(row, backend_options, *context, arena);
         }
     }
 

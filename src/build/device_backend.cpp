@@ -14,9 +14,10 @@ using device::with_opencl_errors;
 
 class DeviceBackend final : public Backend {
 public:
-    DeviceBackend(const BuilderRow& row, const BuildOptions& options, Context context)
+    DeviceBackend(const BuilderRow& row, const BuildOptions& options, Context context, tbb::task_arena& arena)
         : algorithm_(*row.device_algorithm),
           options_(options),
+          arena_(arena),
           context_(std::move(context)),
           settings_(
               device::prepare_pipeline(context_.session(), algorithm_, device_configs_for(row.info.id, options))) {
@@ -44,8 +45,11 @@ public:
     }
 
     BuildStats run() override {
-        return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, memory_,
-                                    optimizers_);
+        const auto build = [&] {
+            return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, memory_,
+                                        optimizers_);
+        };
+        return algorithm_.uses_host ? arena_.execute(build) : build();
     }
 
     void with_tree(const std::function<void(const layout::TreeView&)>& read) override {
@@ -156,6 +160,7 @@ private:
 
     const device::DeviceAlgorithm& algorithm_;
     const BuildOptions& options_;
+    tbb::task_arena& arena_;
     Context context_;
     device::BuildSettings settings_;
     device::OwnMemory memory_;
@@ -166,9 +171,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Backend> make_device_backend(const BuilderRow& row, const BuildOptions& options,
-                                             const Context& context) {
-    return std::make_unique<DeviceBackend>(row, options, context);
+std::unique_ptr<Backend> make_device_backend(const BuilderRow& row, const BuildOptions& options, const Context& context,
+                                             tbb::task_arena& arena) {
+    return std::make_unique<DeviceBackend>(row, options, context, arena);
 }
 
 }  // namespace clbvh

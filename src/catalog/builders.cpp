@@ -21,7 +21,7 @@ namespace clbvh {
 
 // Each is a file of src/device/build.
 namespace device {
-extern const DeviceAlgorithm kPloc, kPlocpp, kPlocppTwoLevel, kHploc, kLbvh;
+extern const DeviceAlgorithm kPloc, kPlocpp, kPlocppTwoLevel, kHploc, kHlbvh, kLbvh;
 }
 
 namespace {
@@ -88,6 +88,11 @@ const BuilderRow kRows[] = {
               .paper = "Benthin, Meister, Barczak, Mehalwal, Tsakok, Kensler 2024",
               .kind = BuilderKind::device},
      .device_algorithm = ON_DEVICE(kHploc)},
+    {.info = {.id = "hlbvh",
+              .title = "HLBVH: the top of an LBVH, its largest nodes, built anew by binned SAH",
+              .paper = "Pantaleoni, Luebke 2010",
+              .kind = BuilderKind::device},
+     .device_algorithm = ON_DEVICE(kHlbvh)},
     {.info = {.id = "lbvh",
               .title = "LBVH: the tree that sorted Morton codes imply, bottom-up in one pass",
               .paper = "Lauterbach et al. 2009, Karras 2012, Apetrei 2014",

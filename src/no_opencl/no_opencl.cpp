@@ -56,7 +56,7 @@ bool Context::prefers_lane_shape() const {
     std::abort();
 }
 
-std::unique_ptr<Backend> make_device_backend(const BuilderRow&, const BuildOptions&, const Context&) {
+std::unique_ptr<Backend> make_device_backend(const BuilderRow&, const BuildOptions&, const Context&, tbb::task_arena&) {
     refuse();
 }
 

@@ -57,7 +57,7 @@ Mesh mesh_with_holes(std::uint32_t triangles) {
 TEST_CASE("optimized builds: the tree is the one that the optimizers make of the builder's") {
     const Mesh mesh = mesh_with_holes(6000);
     for (const Shape shape : {Shape::group, Shape::lane}) {
-        for (const std::string_view id : device_builders()) {
+        for (const std::string_view id : enqueued_builders()) {
             INFO(id << ", " << to_string(shape));
             const Bvh expected = optimized_apart(id, shape, mesh);
             CHECK(validate(expected, mesh).error == "");

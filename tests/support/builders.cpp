@@ -42,6 +42,12 @@ std::vector<std::string_view> device_builders() {
     return builders_of(BuilderKind::device);
 }
 
+std::vector<std::string_view> enqueued_builders() {
+    std::vector<std::string_view> ids = device_builders();
+    std::erase(ids, "hlbvh");
+    return ids;
+}
+
 std::vector<std::string_view> host_builders() {
     return builders_of(BuilderKind::host);
 }

@@ -17,6 +17,8 @@ namespace clbvh::test {
 
 /// Ids of the table's device builders that can run.
 [[nodiscard]] std::vector<std::string_view> device_builders();
+/// Those of them that need nothing of the host, and DeviceBuilder takes.
+[[nodiscard]] std::vector<std::string_view> enqueued_builders();
 
 /// Ids of the table's host builders.
 [[nodiscard]] std::vector<std::string_view> host_builders();

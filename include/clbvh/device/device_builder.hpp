@@ -26,9 +26,9 @@ namespace clbvh {
 /// a time for all that shares the Context: kernels are shared, and their arguments are set by each call.
 class CLBVH_API DeviceBuilder {
 public:
-    /// Throws what Builder's constructor throws, and Error(unsupported) for a builder of the host and for options that
-    /// are the host's work (max_leaf_size, presplit_level, split_quota). BuildOptions::optimizers run on the device,
-    /// one after the other behind the build, wherever BuildOptions::optimize_on would have them: throws what
+    /// Throws what Builder's constructor throws, and Error(unsupported) for builders and options that are the host's
+    /// work (host builders, hlbvh; max_leaf_size, presplit_level, split_quota). BuildOptions::optimizers run on the
+    /// device, one after the other behind the build, wherever BuildOptions::optimize_on would have them: throws what
     /// DeviceOptimizer's constructor throws. BuildOptions::progress is never called.
     DeviceBuilder(std::string_view builder_id, Context context, const BuildOptions& options = {});
     DeviceBuilder(const DeviceBuilder&) = delete;

@@ -39,6 +39,11 @@ const BuilderRow& device_row(std::string_view id, const BuildOptions& given) {
     if (row.info.kind == BuilderKind::host) {
         throw Error(ErrorCode::unsupported, std::string(id) + " runs on the host; DeviceBuilder takes device builders");
     }
+    if (row.device_algorithm->uses_host) {
+        throw Error(ErrorCode::unsupported, std::string(id) +
+                                                " builds the top of its tree on the host; DeviceBuilder "
+                                                "takes builders that need none, such as lbvh and hploc");
+    }
     check_preset(id, row, given);
     device::check_device_options("DeviceBuilder", options);
     check_device_optimizers(options.optimizers);

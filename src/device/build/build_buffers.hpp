@@ -3,11 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "device/build/build_settings.hpp"
 #include "device/opencl/device_memory.hpp"
 #include "device/opencl/device_mesh.hpp"
 #include "device/opencl/memory_block.hpp"
+#include "host/top_down/cluster_top.hpp"
 #include "kernels/cluster/cluster_constants.h"
 
 namespace clbvh::device {
@@ -116,6 +118,12 @@ public:
         return {tree_scratch_.reserve(session, bytes)};
     }
 
+    /// For the host, where it builds the top of the tree.
+    [[nodiscard]] host::TopMemory& top() {
+        if (top_ == nullptr) top_ = std::make_unique<host::TopMemory>();
+        return *top_;
+    }
+
     static constexpr std::size_t kBlocks = 7;
 
 private:
@@ -124,6 +132,7 @@ private:
     MemoryPlan plan_;     // of buffers_
     BuildBuffers buffers_;
     KeptBuffer tree_scratch_;
+    std::unique_ptr<host::TopMemory> top_;
 };
 
 }  // namespace clbvh::device

@@ -2,6 +2,7 @@
 
 #include "device/build/build_buffers.hpp"
 #include "device/opencl/launcher.hpp"
+#include "host/top_down/cluster_top.hpp"
 
 namespace clbvh::device {
 
@@ -17,6 +18,7 @@ struct ClusterJob {
     /// The host must not wait for the device where that can be helped, and leaf_count is an upper bound: what
     /// buffers.primitive_count holds may be less, and 0.
     bool asynchronous = false;
+    host::TopMemory* top_memory = nullptr;  ///< Where DeviceAlgorithm::uses_host: absent in asynchronous builds.
 };
 
 /// The part in which one device builder differs from the next.
@@ -30,6 +32,8 @@ struct DeviceAlgorithm {
     /// Its kernels search chunks of clusters: PlocConfig's chunk_size and work_group_size are heeded, and have to fit
     /// the search radius and local memory.
     bool searches_chunks = false;
+    /// The host builds the top of the tree, and waits for the device before: not where ClusterJob::asynchronous is set.
+    bool uses_host = false;
 };
 
 /// Bytes that a round of clustering has to move: every cluster's reference and record are read, `array_bytes` more pass

@@ -80,6 +80,28 @@ void Launcher::read_uints(const cl::Buffer& buffer, std::span<std::uint32_t> out
     waits_.clear();
 }
 
+void Launcher::on_host(const cl::Buffer& buffer, std::size_t bytes, const std::function<void(void*)>& work) {
+    void* const mapped = with_opencl_errors("reading what was built", [&] {
+        return queue_.enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes,
+                                       waits_.empty() ? nullptr : &waits_);
+    });
+    waits_.clear();
+    const auto unmap = [&] {
+        with_opencl_errors("writing what was built", [&] {
+            enqueue_next([&](const std::vector<cl::Event>* waits, cl::Event* event) {
+                queue_.enqueueUnmapMemObject(buffer, mapped, waits, event);
+            });
+        });
+    };
+    try {
+        work(mapped);
+    } catch (...) {
+        unmap();
+        throw;
+    }
+    unmap();
+}
+
 void Launcher::copy_uint(const cl::Buffer& from, std::uint64_t from_offset, const cl::Buffer& to,
                          std::uint64_t offset) {
     with_opencl_errors("copying a count", [&] {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -49,6 +50,9 @@ public:
         read_uints(buffer, {&value, 1});
         return value;
     }
+
+    /// Waits for all that was enqueued, and calls `work` with the first `bytes` of `buffer` for it to read and write.
+    void on_host(const cl::Buffer& buffer, std::size_t bytes, const std::function<void(void*)>& work);
 
     /// Enqueues a copy of the number `from_offset` bytes into `from` to `offset` bytes into `to`.
     void copy_uint(const cl::Buffer& from, std::uint64_t from_offset, const cl::Buffer& to, std::uint64_t offset);

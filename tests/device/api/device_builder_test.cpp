@@ -26,11 +26,11 @@ DeviceBuilder make_device_builder(std::string_view id, const BuildOptions& optio
     return {id, shared_context(), options};
 }
 
-/// Calls `check` with a builder of each device row in each shape, and with its options.
+/// Calls `check` with a builder of each that it takes in each shape, and with its options.
 template <typename Check>
 void for_each_device_builder(Check check) {
     for (const Shape shape : {Shape::group, Shape::lane}) {
-        for (const std::string_view id : device_builders()) {
+        for (const std::string_view id : enqueued_builders()) {
             INFO(id << ", " << to_string(shape));
             BuildOptions options = options_of(shape);
             options.ploc.single_group_threshold = 1000;
@@ -273,6 +273,7 @@ TEST_CASE("device builder: builders of the host and work of the host are refused
     expect_error(ErrorCode::invalid_input, {"plok"}, [] { (void)make_device_builder("plok"); });
     BuildOptions options;
     options.max_leaf_size = 4;
+    expect_error(ErrorCode::unsupported, {"hlbvh", "on the host", "lbvh"}, [&] { (void)make_device_builder("hlbvh"); });
     expect_error(ErrorCode::unsupported, {"max_leaf_size"}, [&] { (void)make_device_builder("lbvh", options); });
     options = {};
     options.presplit_level = 14;

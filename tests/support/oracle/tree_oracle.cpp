@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "host/top_down/cluster_top.hpp"
 #include "support/oracle/hploc_oracle.hpp"
 
 namespace clbvh::test {
@@ -202,6 +203,18 @@ OracleTree lbvh_tree(const MortonOrder& order) {
     return tree;
 }
 
+OracleTree hlbvh_tree(const MortonOrder& order) {
+    OracleTree tree = lbvh_tree(order);
+    std::vector<Node>& nodes = tree.bvh.nodes;
+    if (nodes.size() < 6) return tree;
+    host::ClusterTop top;
+    top.gather(nodes, 0, nodes[0], host::area_limit(nodes, 1.0 / 40));
+    if (top.inner.empty()) return tree;
+    host::TopWorkspace workspace;
+    host::rebuild_top(nodes, top, 0, host::build_by_bins, workspace);
+    return tree;
+}
+
 OracleTree oracle_tree(std::string_view builder_id, const MortonOrder& order, const BuildOptions& options) {
     const bool exact = builder_id == "ploc" || options.ploc.neighbour_encoding == NeighbourEncoding::bits64;
     const Comparison comparison = exact ? Comparison::exact : Comparison::packed;
@@ -210,6 +223,7 @@ OracleTree oracle_tree(std::string_view builder_id, const MortonOrder& order, co
         return two_level_tree(order, options.ploc.search_radius, comparison, options.ploc.range_count);
     }
     if (builder_id == "lbvh") return lbvh_tree(order);
+    if (builder_id == "hlbvh") return hlbvh_tree(order);
     if (builder_id == "hploc") return hploc_tree(order, options.hploc);
     throw std::logic_error("no oracle for builder " + std::string(builder_id) + " with these options");
 }

@@ -39,6 +39,8 @@ struct OracleTree {
 
 /// The tree of the codes' common prefixes.
 [[nodiscard]] OracleTree lbvh_tree(const MortonOrder& order);
+/// The same with the top that the host builds; by the library's own functions, which have tests of their own.
+[[nodiscard]] OracleTree hlbvh_tree(const MortonOrder& order);
 
 /// The tree that the builder of this id documents for these options. Options of zero for "chosen" are not resolved:
 /// the two-level builder needs its range_count.
