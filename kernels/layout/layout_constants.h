@@ -11,7 +11,8 @@ using ulong = std::uint64_t;
 #endif
 
 enum {
-    LEAF_ROWS = 3,  // float4 a triangle: x, y and z of its corners; the last word holds its number
+    MOST_WIDTH = 8,  // children of a node, in any layout
+    LEAF_ROWS = 3,   // float4 a triangle: x, y and z of its corners; the last word holds its number
 };
 
 // Floats of a wide node of so many children, [lower or upper][axis][child], then the children; and words of a record.
@@ -34,13 +35,25 @@ enum {
 
 // WideChild and TriangleBlock.
 enum {
-    MOST_WIDTH = 8,
     WIDE_LEAF_BIT = 31,
     WIDE_BLOCK_COUNT_SHIFT = 28,
     WIDE_MOST_BLOCKS = 8,  // of one leaf
     BLOCK_FLOATS = 40,     // [corner][axis][triangle], then the primitives
     BLOCK_PRIMITIVES = 36,
     BLOCK_TRIANGLES = 4,
+};
+
+// Compressed8Node and Compressed8Triangle.
+enum {
+    COMPRESSED_NODE_BYTES = 80,
+    COMPRESSED_EXPONENTS = 12,  // bytes
+    COMPRESSED_INNER_MASK = 15,
+    COMPRESSED_FIRST_CHILD = 4,  // words
+    COMPRESSED_FIRST_TRIANGLE = 5,
+    COMPRESSED_META = 24,  // bytes
+    COMPRESSED_LOWER = 32,
+    COMPRESSED_UPPER = 56,
+    COMPRESSED_TRIANGLE_FLOATS = 12,  // edges from vertex 0 to 2 and to 1, vertex 0, each with a word behind it
 };
 
 // Words of a layout's header.
@@ -90,7 +103,7 @@ enum {
     RECORD_NODES = 0,                // [child] of the binary tree, whose boxes the children have
     RECORD_KINDS = WIDE_WIDTH,       // four bits a child, KIND_*
     RECORD_CHILD = WIDE_WIDTH + 1,   // number of the first child that is a node, in the piece
-    RECORD_BLOCK = WIDE_WIDTH + 2,   // number of the first block, in the piece
+    RECORD_BLOCK = WIDE_WIDTH + 2,   // number of the first block, or triangle, in the piece
     RECORD_PLACES = WIDE_WIDTH + 4,  // [child][4]: of one block in primitive_ids, or first and number where more
     RECORD_WORDS = RECORD_WORDS_OF(WIDE_WIDTH),
 };
@@ -100,7 +113,7 @@ enum {
     RECORDS_OF_CHUNK = 32,
 };
 
-// Four bits of RECORD_KINDS; in between the number of a leaf's blocks.
+// Four bits of RECORD_KINDS; in between the number of a leaf's blocks or triangles.
 enum {
     KIND_NODE = 0,
     KIND_RANGE = 9,  // as a node, over a part of a large leaf

@@ -60,9 +60,11 @@ int run(const std::string& shape) {
     input.scene.triangles.vertices = vertices.span();
     input.scene.triangles.indices = indices.span();
     const auto wide4 = clbvh::make_layout<clbvh::Wide4>(bvh, mesh);
+    const auto compressed8 = clbvh::make_layout<clbvh::Compressed8>(bvh, mesh);
     const auto skip = clbvh::make_layout<clbvh::SkipLayout>(bvh);
     const auto pair = clbvh::make_layout<clbvh::PairLayout>(bvh);
     const bool are_made = is_made(input, clbvh::LayoutKind::wide4, wide4, wide4.blocks) &&
+                          is_made(input, clbvh::LayoutKind::compressed8, compressed8, compressed8.triangles) &&
                           is_made(input, clbvh::LayoutKind::skip, skip, skip.primitive_ids) &&
                           is_made(input, clbvh::LayoutKind::pair, pair, pair.primitive_ids);
     if (!are_made) std::cerr << "the device's layouts are not the host's\n";

@@ -24,17 +24,17 @@ struct DeviceScene {
     DeviceSpan layout;          ///< layout: filled by enqueue_layout of any DeviceTracer for this tree, with the same
                                 ///< counts; offset, a multiple of 64. See docs/trace-device.md for how one that is
                                 ///< older than its tree is noticed.
-    LayoutKind layout_kind = LayoutKind::wide8;  ///< Rays go through wide8 alone. wide4, skip and pair are for kernels
-                                                 ///< of the caller's; the last two do not look at the mesh. Devices
-                                                 ///< make no other kind.
+    LayoutKind layout_kind = LayoutKind::wide8;  ///< Rays go through wide8 alone. The others are for kernels of the
+                                                 ///< caller's; skip and pair do not look at the mesh.
 };
 
 /// Where the parts of a layout in device memory are. See docs/layouts.md.
 struct DeviceLayout {
     DeviceSpan header;    ///< Three uints: the numbers of nodes and of elements, the depth; all 0 for a tree without
                           ///< leaves.
-    DeviceSpan nodes;     ///< WideNode<8>, WideNode<4>, SkipNode or PairNode [nodes]
-    DeviceSpan elements;  ///< TriangleBlock [elements] of wide8 and wide4, else uint [elements], the primitive ids.
+    DeviceSpan nodes;     ///< WideNode<8>, WideNode<4>, Compressed8Node, SkipNode or PairNode [nodes]
+    DeviceSpan elements;  ///< TriangleBlock [elements] of wide8 and wide4, Compressed8Triangle [elements], else uint
+                          ///< [elements], the primitive ids.
 };
 
 /// Rays that can be traced at once.
@@ -52,8 +52,8 @@ struct DeviceRays {
 /// Bytes that tracing needs beside the tree, the rays and the hits.
 struct DeviceTraceSizes {
     std::uint64_t scratch = 0;  ///< For any number of rays; free again when they are traced.
-    /// Some 267 for each reference of a wide8, 233 of a wide4, which any tree has room in; most trees leave half of
-    /// them as they were. 112 and 176 of skip and pair where leaves have one primitive; 0 of kinds that are not made.
+    /// Some 267 for each reference of a wide8, 233 of a wide4 and 127 of a compressed8, which any tree has room in;
+    /// most trees leave half of them as they were. 112 and 176 of skip and pair where leaves have one primitive.
     std::uint64_t layout = 0;
 };
 
@@ -81,15 +81,16 @@ public:
     [[nodiscard]] DeviceTraceSizes sizes(const DeviceBvh& bvh, LayoutKind kind = LayoutKind::wide8) const noexcept;
 
     /// Where the parts of scene.layout are. Only it, its kind and the two counts of the tree are looked at. Empty spans
-    /// for kinds that are not made.
+    /// for what is no kind.
     [[nodiscard]] static DeviceLayout layout_of(const DeviceScene& scene) noexcept;
 
     /// Enqueues that scene.layout is filled with the scene as scene.layout_kind says. wide8 is how rays go through it
     /// fastest: worth its time where many rays follow, see docs/trace-device.md. The mesh is not needed afterwards;
     /// the tree still is for wide8. Nodes and elements have the bytes of make_layout() for a Bvh of as many nodes: 2 *
-    /// the active count where there is one, else node_count. Throws Error(unsupported) for kinds that are not made.
-    /// Where one of the tree's counts is 0 there is nothing to lay out, and nothing is written, no header either. The
-    /// program for wide4 is built by the first call that asks for it.
+    /// the active count where there is one, else node_count; with more blocks or triangles than make_layout() takes,
+    /// the header's numbers are 0. Where one of the tree's counts is 0 there is nothing to lay out, and nothing is
+    /// written, no header either. The first call for wide4, and for compressed8, builds a program, which takes a
+    /// moment. Throws Error(invalid_input) for what is no kind.
     ///
     /// This and the next two allocate nothing and wait for nothing: they begin when the events in `wait_list` are
     /// complete, in an in-order queue also behind what was enqueued before, and `event`, where given, becomes the

@@ -97,6 +97,7 @@ std::optional<device::DepthFirstKind> depth_first_kind(LayoutKind kind) {
 std::optional<device::WideKind> wide_kind(LayoutKind kind) {
     if (kind == LayoutKind::wide8) return device::WideKind::wide8;
     if (kind == LayoutKind::wide4) return device::WideKind::wide4;
+    if (kind == LayoutKind::compressed8) return device::WideKind::compressed8;
     return std::nullopt;
 }
 
@@ -239,8 +240,8 @@ void DeviceTracer::enqueue_layout(cl_command_queue queue, const DeviceScene& sce
         const auto wide = wide_kind(scene.layout_kind);
         const auto depth_first = depth_first_kind(scene.layout_kind);
         if (!wide && !depth_first) {
-            throw Error(ErrorCode::unsupported, "devices make no layouts of kind " + name_kind(scene.layout_kind) +
-                                                    "; they make wide8, wide4, pair and skip");
+            throw Error(ErrorCode::invalid_input, "there is no layout of kind " + name_kind(scene.layout_kind) +
+                                                      "; set layout_kind to one of LayoutKind");
         }
         if (scene.bvh.reference_count == 0 || scene.bvh.node_count == 0) return;
         CheckedScene checked;

@@ -22,16 +22,23 @@ struct WideForm {
     std::uint64_t nodes, references;
 };
 
-// A node that is not full has leaves alone, of more primitives together than are joined to one leaf: of five or more.
-// So there are most nodes of eight where seven of eight nodes are such, and all children of the others are nodes; and
-// most nodes of four in a chain, where one has three leaves of one primitive beside the next node.
+// A node that is not full has leaves alone, of more primitives together than are joined to one leaf: of five or more,
+// of a Compressed8 four or more. So there are most nodes of eight where seven of eight nodes are such, and all children
+// of the others are nodes; and most nodes of four in a chain, where one has three leaves of one primitive beside the
+// next node. Parts of large leaves take fewer nodes.
 constexpr WideForm kWide8 = {"wide_layout.cl", "", 8, 224, 160, 8, 35};
 constexpr WideForm kWide4 = {"wide_layout.cl", " -D WIDE_WIDTH=4", 4, 112, 160, 1, 3};
+constexpr WideForm kCompressed8 = {"compressed8_layout.cl", "", 8, kernels::COMPRESSED_NODE_BYTES, 48, 2, 7};
 static_assert(kWide8.node_bytes == sizeof(float) * WIDE_NODE_FLOATS_OF(8));
 static_assert(kWide4.node_bytes == sizeof(float) * WIDE_NODE_FLOATS_OF(4));
 
 constexpr const WideForm& form_of(WideKind kind) {
-    return kind == WideKind::wide8 ? kWide8 : kWide4;
+    switch (kind) {
+        case WideKind::wide4: return kWide4;
+        case WideKind::compressed8: return kCompressed8;
+        case WideKind::wide8: break;
+    }
+    return kWide8;
 }
 
 Kernel& wide_kernel(Launcher& launcher, const LayoutSettings& settings, WideKind kind, const char* name) {

@@ -9,11 +9,11 @@
 namespace clbvh::device {
 
 /// Layouts whose nodes have more than two children. Rays go through wide8.
-enum class WideKind { wide8, wide4 };
+enum class WideKind { wide8, wide4, compressed8 };
 
-/// Such a layout (clbvh/layout/wide.hpp) in device memory: a header, its nodes and blocks; of wide8 also which nodes of
-/// the binary tree its boxes are from, and for rays that go through two children the triangles in the order of the
-/// leaves (kernels/trace/leaf_triangle.clh). There is room for any tree of so many references.
+/// Such a layout (clbvh/layout/) in device memory: a header, its nodes and blocks, or triangles; of wide8 also which
+/// nodes of the binary tree its boxes are from, and for rays that go through two children the triangles in the order of
+/// the leaves (kernels/trace/leaf_triangle.clh). There is room for any tree of so many references.
 struct WideParts {
     Block header, nodes, blocks, sources, rows;
     Block state, pieces, next_chunks, records;  ///< What making it takes, where the rows are written last.

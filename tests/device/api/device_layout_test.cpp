@@ -6,6 +6,7 @@
 #include "clbvh/device/device_refitter.hpp"
 #include "clbvh/device/device_tracer.hpp"
 #include "clbvh/io/scene.hpp"
+#include "clbvh/layout/compressed8.hpp"
 #include "clbvh/layout/pair.hpp"
 #include "clbvh/layout/skip.hpp"
 #include "clbvh/layout/wide.hpp"
@@ -92,6 +93,10 @@ std::string difference(const DeviceScene& scene, const WideLayout<Width>& expect
     return difference(scene, expected.nodes, expected.blocks, expected.depth);
 }
 
+std::string difference(const DeviceScene& scene, const Compressed8& expected) {
+    return difference(scene, expected.nodes, expected.triangles, expected.depth);
+}
+
 template <typename Layout>
 std::string difference(const DeviceScene& scene, const Layout& expected) {
     return difference(scene, expected.nodes, expected.primitive_ids, expected.depth);
@@ -111,6 +116,7 @@ void expect_host_layout(DeviceTracer& tracer, DeviceScene scene, LayoutKind kind
 void expect_host_layouts(const DeviceScene& scene, const Bvh& bvh, const Mesh& mesh) {
     const auto wide8 = make_layout<Wide8>(bvh, mesh);
     const auto wide4 = make_layout<Wide4>(bvh, mesh);
+    const auto compressed8 = make_layout<Compressed8>(bvh, mesh);
     const auto skip = make_layout<SkipLayout>(bvh);
     const auto pair = make_layout<PairLayout>(bvh);
     for (const Shape shape : {Shape::group, Shape::lane}) {
@@ -118,6 +124,7 @@ void expect_host_layouts(const DeviceScene& scene, const Bvh& bvh, const Mesh& m
         DeviceTracer tracer(shared_context(), tracer_options(shape));
         expect_host_layout(tracer, scene, LayoutKind::wide8, wide8);
         expect_host_layout(tracer, scene, LayoutKind::wide4, wide4);
+        expect_host_layout(tracer, scene, LayoutKind::compressed8, compressed8);
         expect_host_layout(tracer, scene, LayoutKind::skip, skip);
         expect_host_layout(tracer, scene, LayoutKind::pair, pair);
     }
@@ -150,6 +157,21 @@ TEST_CASE("device layout: the host's bytes where a tree is cut into many pieces"
     expect_host_layouts(build(mesh, "sbvh"), mesh);
     const Mesh chain = generate_scene("soup", 20000);
     expect_host_layouts(chain_tree(chain), chain);
+}
+
+TEST_CASE("device layout: grids of compressed8 are the host's far from the origin, at its sides, and where flat") {
+    const Mesh mesh = generate_scene("soup", 2000);
+    for (const float scale : {1.0f, 1e-30f, 1e11f}) {
+        for (const float offset : {0.0f, 3e6f}) {
+            Mesh placed = mesh;
+            for (Vec3& vertex : placed.vertices)
+                vertex = {scale * (vertex.x + offset), scale * (vertex.y - offset), scale * vertex.z};
+            for (std::size_t i = 0; i < placed.vertices.size(); i += 3)
+                placed.vertices[i].y = i % 2 == 0 ? 0.0f : -0.0f;
+            INFO(scale << ", " << offset);
+            expect_host_layouts(build(placed, "binned-sah"), placed);
+        }
+    }
 }
 
 TEST_CASE("device layout: small trees, chains, and leaves of any size") {
@@ -338,7 +360,7 @@ TEST_CASE("device layout: one that is older than its tree is never traced") {
     queue().finish();
 }
 
-TEST_CASE("device layout: rays go through wide8 alone, and kinds that are not made are refused") {
+TEST_CASE("device layout: rays go through wide8 alone, and what is no kind is refused") {
     const Mesh mesh = generate_scene("soup", 300);
     const UploadedScene uploaded(build(mesh, "median"), mesh);
     DeviceTracer tracer(shared_context());
@@ -353,13 +375,11 @@ TEST_CASE("device layout: rays go through wide8 alone, and kinds that are not ma
     expect_stale(tracer, scene, memory.rays());  // overwritten
     expect_error(ErrorCode::invalid_input, {"the layout's kind is skip", "wide8"},
                  [&] { tracer.enqueue_closest(queue()(), skip, memory.rays()); });
-    for (const LayoutKind kind : {LayoutKind::compressed8}) {
-        scene.layout_kind = kind;
-        CHECK(tracer.sizes(scene.bvh, kind).layout == 0);
-        CHECK(DeviceTracer::layout_of(scene).nodes.buffer == nullptr);
-        expect_error(ErrorCode::unsupported, {std::string(to_string(kind)), "wide8, wide4, pair and skip"},
-                     [&] { tracer.enqueue_layout(queue()(), scene); });
-    }
+    scene.layout_kind = LayoutKind{99};
+    CHECK(tracer.sizes(scene.bvh, scene.layout_kind).layout == 0);
+    CHECK(DeviceTracer::layout_of(scene).nodes.buffer == nullptr);
+    expect_error(ErrorCode::invalid_input, {"no layout of kind 99", "layout_kind"},
+                 [&] { tracer.enqueue_layout(queue()(), scene); });
     queue().finish();
 }
 
