@@ -8,6 +8,9 @@ namespace clbvh::kernels {
 enum {
     RECORD_FLOATS = 8,  // of an inner cluster, see cluster.clh
     COUNTS_KEPT = 64,   // of iterations, see iteration.clh
+    // Steps from a leaf of the Morton tree to its root, and one more: borders have one of 96 levels.
+    MOST_STEPS = 97,
+    CLIMB_BYTES = 12,  // where a work item stands between two steps
     // H-PLOC: clusters that are measured against each other at once, and most lists that a piece leaves. Borders have
     // one of 96 levels, the array's ends one more; between the lists of a piece they rise, then fall.
     PLACES = 32,

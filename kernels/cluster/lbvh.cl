@@ -1,7 +1,7 @@
 // LBVH: the binary tree that sorted Morton codes imply, with boxes, in one bottom-up pass. Every border between
 // neighbouring positions is one inner node, numbered by the position behind it (node.clh).
 //
-// clear_nodes    group shape: what climb_boxes exchanges with starts as NOT_REACHED and zeros
+// clear_nodes    group shape: what climb_boxes exchanges with starts as NOT_REACHED, or zeros
 //   out    reached [leaf_count], nodes
 //   launch ceil(leaf_count / WORK_GROUP_SIZE) groups
 // climb_boxes    group shape: one work item a leaf; the second to reach a node goes on (Apetrei 2014)
@@ -9,6 +9,11 @@
 //   inout  reached, nodes
 //   out    root_reference [1]
 //   launch ceil(leaf_count / WORK_GROUP_SIZE) groups
+// begin_climbs, climb_once   group shape, where groups hand nothing over within a launch: each launch of climb_once is
+// a
+//                step of climb_boxes
+//   inout  climbs [leaf_count]
+//   launch as climb_boxes; climb_once MOST_STEPS times, or leaf_count where that is less
 // build_pieces   lane shape: one work item a contiguous piece of the leaves, with a stack instead of atomics
 //   out    pending [groups * MOST_PENDING], pending_counts [groups]: subtrees that the piece's borders leave incomplete
 // join_pieces    lane shape: one work item finishes with the pending subtrees of all pieces
@@ -112,50 +117,134 @@ KERNEL void join_pieces(global const Subtree* pending, global const uint* pendin
 
 #else
 
-KERNEL void clear_nodes(global const uint* leaf_count_in, global uint* reached, global float* nodes) {
-    const uint leaf_count = *leaf_count_in;
-    const size_t slot = get_global_id(0);
-    if (slot < leaf_count) {
-        reached[slot] = NOT_REACHED;
-        vstore16((float16)(0.0f), slot, nodes);
-    }
-}
-
 static inline void publish_node(global uint* node, Box box, uint reference, uint leaf_count) {
     publish_box(node, box);
     node[3] = node_first(reference, leaf_count);
     node[7] = node_count(reference, leaf_count);
 }
 
+// Where a work item stands: at a node over [begin, end), whose right child begins at `split`; at its leaf where that is
+// 0. Nowhere, the rest being the other's, where the range is empty.
+typedef struct {
+    uint begin, split, end;
+} Climb;
+EXPECT_SIZE(Climb, CLIMB_BYTES);
+
+typedef struct {
+    global const ulong* codes;
+    uint leaf_count;
+    global uint* reached;
+    global uint* nodes;
+} Boxes;
+
+static inline uint reference_of(Boxes b, Climb climb) {
+    return climb.split == 0 ? climb.begin : b.leaf_count + climb.split;
+}
+
+static inline int is_root(Boxes b, Climb climb) {
+    return climb.begin == 0 && climb.end == b.leaf_count;
+}
+
+// Where a node meets its sibling: the slot that the two are the children of, and its own side.
+typedef struct {
+    uint slot;
+    int is_left;
+} Meeting;
+
+// Of a node that is not the root. The deeper of its two borders is where it meets its sibling.
+static inline void find_meeting(Boxes b, Climb climb, private Meeting* meeting) {
+    meeting->is_left =
+        border_level(b.codes, climb.end, b.leaf_count) < border_level(b.codes, climb.begin, b.leaf_count);
+    meeting->slot = meeting->is_left ? climb.end : climb.begin;
+}
+
+static inline global uint* child_at(Boxes b, Meeting meeting, int is_left) {
+    return b.nodes + 16 * (size_t)meeting.slot + (is_left ? 0 : 8);
+}
+
+// Publishes the node. Returns the sibling's other border, or NOT_REACHED where that is not there yet. (Where it is not
+// inlined, Oclgrind's compiler keeps the box in memory, with marks that Oclgrind does not know.)
+__attribute__((always_inline)) static inline uint announce_node(Boxes b, Climb climb, Meeting meeting, Box box) {
+    publish_node(child_at(b, meeting, meeting.is_left), box, reference_of(b, climb), b.leaf_count);
+    DEVICE_FENCE();
+    return atomic_xchg(b.reached + meeting.slot, meeting.is_left ? climb.begin : climb.end);
+}
+
+static inline void go_to_parent(private Climb* climb, Meeting meeting, uint sibling_border) {
+    if (meeting.is_left) {
+        climb->end = sibling_border;
+    } else {
+        climb->begin = sibling_border;
+    }
+    climb->split = meeting.slot;
+}
+
+KERNEL void clear_nodes(global const uint* leaf_count_in, global uint* reached, global float* nodes) {
+    const uint leaf_count = *leaf_count_in;
+    const size_t slot = get_global_id(0);
+    if (slot < leaf_count) {
+        reached[slot] = NOT_REACHED;
+#if PUBLISHES_BY_EXCHANGE
+        vstore16((float16)(0.0f), slot, nodes);
+#endif
+    }
+}
+
 KERNEL void climb_boxes(global const ulong* codes, global const uint* primitive_ids, global const float* boxes,
                         global const uint* leaf_count_in, global uint* reached, global uint* nodes,
                         global uint* root_reference) {
-    const uint leaf_count = *leaf_count_in;
-    const size_t leaf = get_global_id(0);
-    if (leaf >= leaf_count) {
+    const Boxes b = {codes, *leaf_count_in, reached, nodes};
+    const uint leaf = (uint)get_global_id(0);
+    if (leaf >= b.leaf_count) {
         return;
     }
+    Climb climb = {leaf, 0, leaf + 1};
     Box box = load_box(boxes + BOX_FLOATS * (size_t)primitive_ids[leaf]);
-    uint reference = (uint)leaf;
-    uint begin = (uint)leaf;
-    uint end = begin + 1;
-    while (begin > 0 || end < leaf_count) {
-        // The deeper of the two borders is where this node meets its sibling.
-        const int is_left = border_level(codes, end, leaf_count) < border_level(codes, begin, leaf_count);
-        const uint slot = is_left ? end : begin;
-        publish_node(nodes + 16 * (size_t)slot + (is_left ? 0 : 8), box, reference, leaf_count);
+    while (!is_root(b, climb)) {
+        Meeting meeting;
+        find_meeting(b, climb, &meeting);
+        const uint sibling_border = announce_node(b, climb, meeting, box);
+        if (sibling_border == NOT_REACHED) return;
         DEVICE_FENCE();
-        const uint sibling_border = atomic_xchg(reached + slot, is_left ? begin : end);
-        if (sibling_border == NOT_REACHED) {
-            return;
-        }
-        DEVICE_FENCE();
-        box = merge_boxes(box, observe_box(nodes + 16 * (size_t)slot + (is_left ? 8 : 0)));
-        reference = leaf_count + slot;
-        begin = is_left ? begin : sibling_border;
-        end = is_left ? sibling_border : end;
+        box = merge_boxes(box, observe_box(child_at(b, meeting, !meeting.is_left)));
+        go_to_parent(&climb, meeting, sibling_border);
     }
-    *root_reference = reference;
+    *root_reference = reference_of(b, climb);
+}
+
+KERNEL void begin_climbs(global const uint* leaf_count_in, global Climb* climbs, global uint* root_reference) {
+    const uint leaf = (uint)get_global_id(0);
+    if (leaf == 0) *root_reference = 0;
+    if (leaf >= *leaf_count_in) return;
+    const Climb climb = {leaf, 0, leaf + 1};
+    climbs[leaf] = climb;
+}
+
+KERNEL void climb_once(global const ulong* codes, global const uint* primitive_ids, global const float* boxes,
+                       global const uint* leaf_count_in, global uint* reached, global uint* nodes,
+                       global uint* root_reference, global Climb* climbs) {
+    const Boxes b = {codes, *leaf_count_in, reached, nodes};
+    const uint leaf = (uint)get_global_id(0);
+    if (leaf >= b.leaf_count) return;
+    Climb climb = climbs[leaf];
+    if (climb.begin == climb.end || is_root(b, climb)) return;
+    Box box;
+    if (climb.split == 0) {
+        box = load_box(boxes + BOX_FLOATS * (size_t)primitive_ids[leaf]);
+    } else {
+        global uint* const children = nodes + 16 * (size_t)climb.split;
+        box = merge_boxes(observe_box(children), observe_box(children + 8));
+    }
+    Meeting meeting;
+    find_meeting(b, climb, &meeting);
+    const uint sibling_border = announce_node(b, climb, meeting, box);
+    if (sibling_border == NOT_REACHED) {
+        climb.begin = climb.end = 0;
+    } else {
+        go_to_parent(&climb, meeting, sibling_border);
+    }
+    climbs[leaf] = climb;
+    if (is_root(b, climb)) *root_reference = reference_of(b, climb);
 }
 
 #endif

@@ -8,7 +8,9 @@
 //            top [pairs]: pairs whose parents have more than SUBTREE_NODES nodes below them, in any order
 //
 // link_pairs   a group for SLOTS_PER_GROUP slots: parents, and nobody has been anywhere
-// measure      the same: how much is below each inner node, upwards; the second to reach a node goes on. Lists the top
+// measure      any number of groups, which take SLOTS_PER_GROUP slots in turn; one, where groups hand nothing over
+// within
+//              a launch: how much is below each inner node, upwards; the second to reach a node goes on. Lists the top
 // place_top    any number of groups, as all that follow: where the top's nodes are, counted from their parents' places
 // double_ways  the same, counted from the place of the node that the parent's was counted from: after so many launches
 //              as the depth has bits, from the beginning (Wyllie 1979, "The Complexity of Parallel Computations")
@@ -94,9 +96,9 @@ KERNEL void link_pairs(global const uchar* tree, global const uchar* active_coun
 
 static inline void publish_subtree(Order o, uint pair, Subtree subtree) {
     global uint* const words = o.below + SUBTREE_WORDS * (size_t)pair;
-    atomic_xchg(words + 0, subtree.nodes);
-    atomic_xchg(words + 1, subtree.ids);
-    atomic_xchg(words + 2, subtree.height);
+    publish_word(words + 0, subtree.nodes);
+    publish_word(words + 1, subtree.ids);
+    publish_word(words + 2, subtree.height);
 }
 
 static inline Subtree observe_subtree(Order o, uint pair) {
@@ -140,12 +142,14 @@ KERNEL void measure(global const uchar* tree, global const uchar* active_count, 
     const Order o = order_at(scene, tree, place, layout);
     const size_t size = nodes_in_use(scene.node_count, active_count, scene.active_count, scene.has_active_count);
     const size_t pairs = (size + 1) / 2;
-    const size_t begin = get_group_id(0) * (size_t)(SLOTS_PER_GROUP / 2);
-    FOR_WORK_ITEMS(pair, begin, min(begin + SLOTS_PER_GROUP / 2, pairs)) {
-        if (pair == 0) {
-            if (o.nodes[ROOT_SLOT].count > 0) write_header(o, subtree_of(o, ROOT_SLOT));
-        } else if (o.nodes[2 * pair].count > 0 && o.nodes[2 * pair + 1].count > 0) {
-            measure_upwards(o, (uint)pair);
+    const size_t step = SLOTS_PER_GROUP / 2;
+    for (size_t begin = get_group_id(0) * step; begin < pairs; begin += get_num_groups(0) * step) {
+        FOR_WORK_ITEMS(pair, begin, min(begin + step, pairs)) {
+            if (pair == 0) {
+                if (o.nodes[ROOT_SLOT].count > 0) write_header(o, subtree_of(o, ROOT_SLOT));
+            } else if (o.nodes[2 * pair].count > 0 && o.nodes[2 * pair + 1].count > 0) {
+                measure_upwards(o, (uint)pair);
+            }
         }
     }
 }

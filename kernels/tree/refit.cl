@@ -14,7 +14,8 @@
 //   launch a group for SLOTS_PER_GROUP slots
 // fit_inner (group shape): one work item a pair of leaves goes up; the second to reach a node goes on
 //   inout  arrivals [pairs]: zeros before and after
-//   launch a group for SLOTS_PER_GROUP / 2 pairs
+//   launch any number of groups, which take SLOTS_PER_GROUP / 2 pairs in turn; one, where groups hand nothing over
+//   within a launch
 #include "work_group.clh"
 #include "aabb.clh"
 #include "node.clh"
@@ -189,17 +190,19 @@ static inline void fit_upwards(global uint* nodes, global const uint* parents, g
         DEVICE_FENCE();
         if (atomic_xchg(arrivals + pair, 1u) == 0) return;
         DEVICE_FENCE();
-        atomic_xchg(arrivals + pair, 0u);
+        publish_word(arrivals + pair, 0u);
         box = merge_boxes(box, observe_box(sibling));
     }
 }
 
 KERNEL void fit_inner(global uint* nodes, TREE_SIZE_ARGUMENTS, global const uint* parents, global uint* arrivals) {
     const size_t pairs = TREE_SIZE / 2;
-    const size_t begin = get_group_id(0) * (size_t)(SLOTS_PER_GROUP / 2);
-    FOR_WORK_ITEMS(pair, begin, min(begin + SLOTS_PER_GROUP / 2, pairs)) {
-        if (pair > 0 && nodes[16 * pair + 7] > 0 && nodes[16 * pair + 15] > 0) {
-            fit_upwards(nodes, parents, arrivals, (uint)pair);
+    const size_t step = SLOTS_PER_GROUP / 2;
+    for (size_t begin = get_group_id(0) * step; begin < pairs; begin += get_num_groups(0) * step) {
+        FOR_WORK_ITEMS(pair, begin, min(begin + step, pairs)) {
+            if (pair > 0 && nodes[16 * pair + 7] > 0 && nodes[16 * pair + 15] > 0) {
+                fit_upwards(nodes, parents, arrivals, (uint)pair);
+            }
         }
     }
 }

@@ -7,10 +7,10 @@
 // refit_changes: each pair's parent gets its box when the pair itself is done
 //   inout  arrivals: back to zeros; nodes; ranks [nodes], histogram [RANKS]: as rate_nodes would leave them
 //   out    changes [groups]
-//   launch as mark_changes
+//   launch as mark_changes; one group, where groups hand nothing over within a launch
 // Both where is_undoing only if the pass is undone, else unless there is nothing left to do.
 // end_pass: whether the moves are worth it, and what the next pass does
-//   in     move_changes, box_changes [groups]
+//   in     move_changes [groups], box_changes [box_groups]
 //   inout  control, area [1]
 //   launch one group
 #include "work_group.clh"
@@ -68,14 +68,9 @@ typedef struct {
     float scale;
 } Refit;
 
-// Boxes pass from group to group within the launch: word by word through atomics (between_groups.clh). On CPUs, which
-// the lane shape is for, whole vectors do, between the fences around the counter, and are several times as fast;
-// Oclgrind takes them for races, and is told not to.
-#ifndef SHARES_BY_ATOMICS
-#define SHARES_BY_ATOMICS !LANE_SHAPE
-#endif
-
-#if !(SHARES_BY_ATOMICS)
+// Boxes pass from group to group within the launch (between_groups.clh). Where memory is coherent whole vectors do,
+// between the fences around the counter, and are several times as fast as words.
+#if MEMORY_IS_COHERENT
 static inline float8 load_shared(global float* nodes, size_t slot) {
     return vload8(slot, nodes);
 }
@@ -118,9 +113,9 @@ static inline Change refit_upwards(Refit refit, uint pair, Change change) {
         const float8 fitted = (float8)(lower.s012, before.s3, upper.s456, before.s7);
         const float area = half_area_of(fitted);
         change = replace_area(change, in_units(half_area_of(before), refit.scale), in_units(area, refit.scale));
-        store_shared(fitted, refit.nodes, slot);
         set_rank(refit, 2 * (size_t)pair, slot == ROOT_SLOT ? 0 : rank_of(area - half_area_of(left)));
         set_rank(refit, 2 * (size_t)pair + 1, slot == ROOT_SLOT ? 0 : rank_of(area - half_area_of(right)));
+        store_shared(fitted, refit.nodes, slot);
         pair = slot / 2;
     }
     return change;
@@ -143,12 +138,15 @@ KERNEL void refit_changes(global float* nodes, global const uint* parents, globa
     if (LOCAL_ID == 0) changes[get_group_id(0)] = change;
 }
 
-KERNEL void end_pass(global const Change* move_changes, global const Change* box_changes, uint groups,
+KERNEL void end_pass(global const Change* move_changes, uint groups, global const Change* box_changes, uint box_groups,
                      global uint* control, global long* area) {
     local Change scratch[WORK_GROUP_SIZE];
     Change change = {0, 0};
     FOR_WORK_ITEMS(i, 0, groups) {
-        change = add_changes(change, add_changes(move_changes[i], box_changes[i]));
+        change = add_changes(change, move_changes[i]);
+    }
+    FOR_WORK_ITEMS(i, 0, box_groups) {
+        change = add_changes(change, box_changes[i]);
     }
     change = sum_changes(scratch, change);
     if (LOCAL_ID > 0 || control[IS_DONE]) return;

@@ -55,6 +55,9 @@ const FoundProfile& Context::profile() const noexcept {
 bool Context::prefers_lane_shape() const {
     std::abort();
 }
+bool Context::passes_hand_over_check() const {
+    std::abort();
+}
 
 std::unique_ptr<Backend> make_device_backend(const BuilderRow&, const BuildOptions&, const Context&, tbb::task_arena&) {
     refuse();

@@ -1,7 +1,9 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <clbvh/core/error.hpp>
+#include <clbvh/device/context.hpp>
 #include <clbvh/device/device.hpp>
 #include <clbvh/device/profile.hpp>
 #include <cstdlib>
@@ -74,32 +76,63 @@ std::string profile_lines(const std::vector<DeviceInfo>& devices) {
     return text;
 }
 
-int print_devices(const JsonOutput& json) {
+struct DevicesArguments {
+    bool self_test = false;
+    JsonOutput json;
+};
+
+/// The result of each device's self-test; empty where none was asked for.
+std::vector<bool> self_tests(const std::vector<DeviceInfo>& devices, bool wanted) {
+    std::vector<bool> passed;
+    ContextOptions options;
+    options.use_profile = false;
+    for (const DeviceInfo& device : devices) {
+        if (wanted) passed.push_back(Context::open(std::to_string(device.index), options).passes_hand_over_check());
+    }
+    return passed;
+}
+
+std::string self_test_lines(const std::vector<bool>& passed) {
+    std::string text;
+    for (std::size_t i = 0; i < passed.size(); ++i)
+        text += fmt::format("device {}: self-test {}\n", i,
+                            passed[i] ? "passed" : "failed: work groups cannot hand over within a launch");
+    return text;
+}
+
+int print_devices(const DevicesArguments& arguments) {
+    const JsonOutput& json = arguments.json;
     json.require_writable();
     const std::vector<DeviceInfo> devices = list_devices();
     // The library's message for "none at all" says what to install.
     if (devices.empty()) static_cast<void>(pick_device());
     const std::optional<std::size_t> default_index = default_device();
+    const std::vector<bool> passed = self_tests(devices, arguments.self_test);
     nlohmann::ordered_json entries = nlohmann::ordered_json::array();
     for (const DeviceInfo& device : devices) {
         entries.push_back(to_json(device));
         entries.back()["default"] = device.index == default_index;
         entries.back()["profile"] = profile_json(profile_of(device));
+        if (!passed.empty()) entries.back()["self_test_passed"] = static_cast<bool>(passed[device.index]);
     }
     if (json.leaves_standard_output()) {
-        fmt::print("{}{}", device_table(devices, default_index).text(), profile_lines(devices));
+        fmt::print("{}{}{}", device_table(devices, default_index).text(), profile_lines(devices),
+                   self_test_lines(passed));
     }
     json.write({{"devices", entries}});
-    return kExitSuccess;
+    return std::ranges::find(passed, false) == passed.end() ? kExitSuccess : kExitFailure;
 }
 
 }  // namespace
 
 Command add_devices_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("devices", "List the OpenCL devices");
-    auto json = std::make_shared<JsonOutput>();
-    json->add_option(*command);
-    return {command, [json] { return print_devices(*json); }};
+    auto arguments = std::make_shared<DevicesArguments>();
+    command->add_flag("--self-test", arguments->self_test,
+                      "Find out whether work groups of each can hand over to each other within a launch, ten million "
+                      "times; what tune keeps in a profile");
+    arguments->json.add_option(*command);
+    return {command, [arguments] { return print_devices(*arguments); }};
 }
 
 }  // namespace clbvh::tool

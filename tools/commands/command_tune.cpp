@@ -50,6 +50,7 @@ fs::path output_path(const TuneArguments& arguments, const DeviceInfo& device) {
 ordered_json profile_json(const Profile& profile) {
     ordered_json json{
         {"platform", profile.platform}, {"device", profile.device}, {"driver_version", profile.driver_version}};
+    if (profile.hand_over != HandOver::automatic) json["hand_over"] = to_string(profile.hand_over);
     if (profile.sort_shape != Shape::automatic) json["sort_shape"] = to_string(profile.sort_shape);
     if (profile.chunk_size != 0) json["chunk_size"] = profile.chunk_size;
     if (profile.work_group_size != 0) json["work_group_size"] = profile.work_group_size;
@@ -83,14 +84,18 @@ int tune(const TuneArguments& arguments) {
     arguments.json.require_writable();
     for (const std::string& scene : arguments.settings.scenes)
         require_scene(scene);
-    const Context context = Context::open(arguments.device, {ProgramCaching::automatic, false});
+    ContextOptions context_options;
+    context_options.use_profile = false;
+    const Context context = Context::open(arguments.device, context_options);
     const DeviceInfo& device = context.device();
     const fs::path path = output_path(arguments, device);
     require_writable(path);
 
     Profile profile{device.platform, device.name, device.driver_version};
+    profile.hand_over = context.passes_hand_over_check() ? HandOver::within_launch : HandOver::between_launches;
     BuildOptions options;
     ordered_json tried = ordered_json::array();
+    if (arguments.json.leaves_standard_output()) fmt::print("{}\n\n", hand_over_report(profile.hand_over));
     ProgressBar bar;
     for (const Knob& knob : knobs_of(context)) {
         const TunedKnob tuned = tune_knob(knob, arguments.settings, context, options, bar);

@@ -159,6 +159,11 @@ std::uint32_t chosen_value(const TunedKnob& tuned) {
     return std::ranges::find(tuned.trials, true, &Trial::chosen)->value;
 }
 
+std::string hand_over_report(HandOver hand_over) {
+    return hand_over == HandOver::within_launch ? "self-test: work groups hand over to each other within a launch"
+                                                : "self-test: what work groups hand over within a launch gets lost";
+}
+
 std::string tuning_report(const TunedKnob& tuned, const TuneSettings& settings) {
     std::vector<std::string> header{std::string(tuned.knob.option)};
     for (const std::string& scene : settings.scenes)

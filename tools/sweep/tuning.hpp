@@ -59,6 +59,9 @@ struct TuneSettings {
 /// The value that was chosen, 0 for the library's own.
 [[nodiscard]] std::uint32_t chosen_value(const TunedKnob& tuned);
 
+/// What the self-test of the device found, in words.
+[[nodiscard]] std::string hand_over_report(HandOver hand_over);
+
 /// The table of one knob.
 [[nodiscard]] std::string tuning_report(const TunedKnob& tuned, const TuneSettings& settings);
 

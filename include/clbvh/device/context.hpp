@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "clbvh/device/device.hpp"
+#include "clbvh/device/hand_over.hpp"
 #include "clbvh/device/opencl_handles.hpp"
 #include "clbvh/device/profile.hpp"
 #include "clbvh/export.h"
@@ -27,6 +28,9 @@ enum class ProgramCaching : std::uint8_t {
 struct ContextOptions {
     ProgramCaching program_caching = ProgramCaching::automatic;  ///< See ProgramCaching.
     bool use_profile = true;  ///< Let find_profile(device) stand in for automatic options.
+    /// See HandOver. Where it is automatic the variable CLBVH_HAND_OVER ("within", "between", "auto") decides, and
+    /// where that leaves it open the profile.
+    HandOver hand_over = HandOver::automatic;
 };
 
 /// A device with its OpenCL context, its queue and the programs built for it. Cheap to copy: copies share everything.
@@ -34,8 +38,9 @@ struct ContextOptions {
 class CLBVH_API Context {
 public:
     /// Opens the device that pick_device(selector) picks, with a context and an in-order profiling queue of its own.
-    /// Throws what pick_device throws; Error(invalid_input) where CLBVH_CACHE is none of auto, on, off; and, unless
-    /// options.use_profile is off, Error(invalid_input or io) where CLBVH_PROFILE names a file that is not a profile.
+    /// Throws what pick_device throws; Error(invalid_input) where CLBVH_CACHE is none of auto, on, off, or
+    /// CLBVH_HAND_OVER none of auto, within, between; and, unless options.use_profile is off, Error(invalid_input or
+    /// io) where CLBVH_PROFILE names a file that is not a profile.
     [[nodiscard]] static Context open(std::string_view selector = {}, const ContextOptions& options = {});
 
     /// Adopts the caller's queue, in order or out of order, and retains it, its context and its device. Stage device
@@ -51,6 +56,10 @@ public:
 
     /// True where the lane shape may be the default here: a CPU device that passes a small self-test (run once).
     [[nodiscard]] bool prefers_lane_shape() const;
+
+    /// Runs the self-test of what work groups hand over to each other within a launch, ten million times: some
+    /// milliseconds on a GPU, a second on a CPU. Where it is false, HandOver::within_launch gives wrong trees.
+    [[nodiscard]] bool passes_hand_over_check() const;
 
     /// State that the device builders share; private to the library.
     [[nodiscard]] device::Session& session() const noexcept { return *session_; }

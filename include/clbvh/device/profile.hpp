@@ -7,14 +7,15 @@
 #include <string_view>
 
 #include "clbvh/device/device.hpp"
+#include "clbvh/device/hand_over.hpp"
 #include "clbvh/device/shape.hpp"
 #include "clbvh/export.h"
 
 namespace clbvh {
 
-/// The sizes that measured fastest on one device with one driver (`clbvh tune`). They stand in for options that are
-/// automatic, change how work is laid out and never the tree, and give way where the device or other options leave no
-/// room for it. A zero or automatic field has nothing to say.
+/// The sizes that measured fastest on one device with one driver (`clbvh tune`), and what its self-test found. They
+/// stand in for options that are automatic, change how work is laid out and never the tree, and give way where the
+/// device or other options leave no room for it. A zero or automatic field has nothing to say.
 struct Profile {
     std::string platform;                      ///< DeviceInfo::platform of the device.
     std::string device;                        ///< DeviceInfo::name.
@@ -23,6 +24,7 @@ struct Profile {
     std::uint32_t chunk_size = 0;              ///< See PlocConfig.
     std::uint32_t work_group_size = 0;         ///< See PlocConfig.
     std::uint32_t single_group_threshold = 0;  ///< See PlocConfig.
+    HandOver hand_over = HandOver::automatic;  ///< What the device's self-test found; see ContextOptions.
 };
 
 /// Where a device's profile was looked for, and what was there.

@@ -139,6 +139,7 @@ BuildSettings resolve_settings(const DeviceAlgorithm& algorithm, const DeviceBui
         }
         settings.symmetric_search = false;
     }
+    if (algorithm.hands_over && !settings.lane()) settings.hand_over = session.hand_over();
     settings.single_group_threshold =
         first_not_zero({ploc.single_group_threshold, profile.single_group_threshold, kSingleGroupThreshold});
     resolve_sort(settings, info);

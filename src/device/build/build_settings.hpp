@@ -23,16 +23,19 @@ struct BuildSettings : DeviceFit {
     bool exact_distances = false;  ///< 64-bit neighbour encoding
     bool symmetric_search = true;
     std::uint32_t single_group_threshold = 0;
-    std::uint32_t range_count = 0;       ///< least number of Morton ranges of plocpp-two-level
-    std::size_t cluster_group_size = 1;  ///< work items a group in kernels that search neighbours
-    std::uint32_t lane_chunk_size = 0;   ///< clusters a chunk in the lane shape
-    Shape sort_shape = Shape::group;     ///< group or lane
-    std::size_t sort_group_size = 1;     ///< work items a group in the sort
-    std::uint32_t most_sort_pieces = 1;  ///< work groups of a pass of the sort
+    std::uint32_t range_count = 0;                 ///< least number of Morton ranges of plocpp-two-level
+    std::size_t cluster_group_size = 1;            ///< work items a group in kernels that search neighbours
+    std::uint32_t lane_chunk_size = 0;             ///< clusters a chunk in the lane shape
+    Shape sort_shape = Shape::group;               ///< group or lane
+    std::size_t sort_group_size = 1;               ///< work items a group in the sort
+    std::uint32_t most_sort_pieces = 1;            ///< work groups of a pass of the sort
+    HandOver hand_over = HandOver::within_launch;  ///< never automatic
     /// Most iterations that are enqueued before their counts are read, 1 to 64. The same on every device: tests look at
     /// one iteration at a time by setting it.
     std::uint32_t iterations_in_flight = 8;
 
+    /// True where what groups hand over waits for the end of a launch.
+    [[nodiscard]] bool climbs_in_steps() const noexcept { return !lane() && hand_over == HandOver::between_launches; }
     /// Pieces of a pass of the sort.
     [[nodiscard]] Pieces sort_pieces(std::uint32_t elements) const;
     /// Bits that a pass of the sort looks at.

@@ -34,6 +34,8 @@ struct DeviceAlgorithm {
     bool searches_chunks = false;
     /// The host builds the top of the tree, and waits for the device before: not where ClusterJob::asynchronous is set.
     bool uses_host = false;
+    /// In the group shape its kernels climb trees, where work groups hand over to each other.
+    bool hands_over = false;
 };
 
 /// Bytes that a round of clustering has to move: every cluster's reference and record are read, `array_bytes` more pass

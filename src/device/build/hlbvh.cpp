@@ -51,6 +51,7 @@ extern const DeviceAlgorithm kHlbvh{.cluster = cluster,
                                     .extra_bytes = extra_bytes,
                                     .box_order = BoxOrder::input,
                                     .program = program,
-                                    .uses_host = true};
+                                    .uses_host = true,
+                                    .hands_over = true};
 
 }  // namespace clbvh::device

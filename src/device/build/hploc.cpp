@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::uint32_t kPlaces = kernels::PLACES;
 constexpr std::uint64_t kClusterBytes = sizeof(float) * kernels::HPLOC_CLUSTER_FLOATS;
+constexpr std::uint64_t kClimbBytes = kernels::CLIMB_BYTES;
 constexpr std::uint32_t kMostLists = kernels::MOST_LISTS;
 constexpr std::uint32_t kMostPackedLeaves = 1u << kernels::PACKED_LEAF_BITS;
 constexpr std::uint32_t kLeastPieceLength = kernels::LEAST_PIECE_LENGTH;
@@ -67,11 +68,14 @@ struct GroupViews {
     GroupViews(const BuildSettings& settings, std::uint32_t leaf_count, ArrayLayout layout)
         : leaves(settings, leaf_count, layout),
           reached(layout.take_view(sizeof(std::uint32_t) * std::uint64_t{leaf_count})),
-          inner(layout.take_view(kClusterBytes * leaf_count)),
-          bytes(layout.bytes()) {}
+          inner(layout.take_view(kClusterBytes * leaf_count)) {
+        if (settings.climbs_in_steps()) climbs = layout.take_view(kClimbBytes * leaf_count);
+        bytes = layout.bytes();
+    }
 
     LeafViews leaves;
     cl::Buffer reached, inner;
+    cl::Buffer climbs;  ///< where each work item stands, where it waits for the end of a launch
     std::uint64_t bytes;
 };
 
@@ -138,8 +142,16 @@ void cluster_in_groups(const ClusterJob& job) {
     const std::size_t groups = (job.leaf_count + kPlaces - 1) / kPlaces;
     const SortedLeaves leaves = find_leaves(job, extra.leaves);
     job.launcher.launch(kernel_of(job, "clear_clusters"), groups, b.leaf_count, extra.reached, extra.inner);
-    job.launcher.launch(kernel_of(job, "climb_clusters"), groups, leaves.codes, b.primitive_ids, leaves.begins, b.boxes,
-                        b.leaf_count, extra.reached, extra.inner, b.nodes, b.root_reference);
+    if (!job.settings.climbs_in_steps()) {
+        job.launcher.launch(kernel_of(job, "climb_clusters"), groups, leaves.codes, b.primitive_ids, leaves.begins,
+                            b.boxes, b.leaf_count, extra.reached, extra.inner, b.nodes, b.root_reference);
+        return;
+    }
+    job.launcher.launch(kernel_of(job, "begin_climbs"), groups, b.leaf_count, extra.climbs, b.root_reference);
+    for (std::uint32_t step = 0; step < std::min<std::uint32_t>(kernels::MOST_STEPS, job.leaf_count); ++step) {
+        job.launcher.launch(kernel_of(job, "climb_once"), groups, leaves.codes, b.primitive_ids, leaves.begins, b.boxes,
+                            b.leaf_count, extra.reached, extra.inner, b.nodes, b.root_reference, extra.climbs);
+    }
 }
 
 void cluster(const ClusterJob& job) {
@@ -154,7 +166,10 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-extern const DeviceAlgorithm kHploc{
-    .cluster = cluster, .extra_bytes = extra_bytes, .box_order = BoxOrder::input, .program = program};
+extern const DeviceAlgorithm kHploc{.cluster = cluster,
+                                    .extra_bytes = extra_bytes,
+                                    .box_order = BoxOrder::input,
+                                    .program = program,
+                                    .hands_over = true};
 
 }  // namespace clbvh::device

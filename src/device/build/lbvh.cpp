@@ -12,16 +12,29 @@ namespace {
 constexpr std::uint32_t kPendingBytes = kernels::PENDING_BYTES;
 constexpr std::uint32_t kMostPending = kernels::MOST_PENDING;
 constexpr std::uint32_t kLeastPieceLength = 1024;
+constexpr std::uint64_t kClimbBytes = kernels::CLIMB_BYTES;
 
 std::uint32_t most_pieces(const BuildSettings& settings) {
     return std::min(2 * settings.groups_to_fill, kMostPieces);
 }
 
-// Bytes for the subtrees that the lane shape's pieces leave to be joined, or for what the group shape's work items
-// tell each other.
+/// What the group shape's work items tell each other, and where each stands.
+struct GroupViews {
+    GroupViews(const BuildSettings& settings, std::uint32_t leaf_count, ArrayLayout layout)
+        : reached(layout.take_view(sizeof(cl_uint) * std::uint64_t{leaf_count})) {
+        if (settings.climbs_in_steps()) climbs = layout.take_view(kClimbBytes * leaf_count);
+        bytes = layout.bytes();
+    }
+
+    cl::Buffer reached;
+    cl::Buffer climbs;  ///< where it waits for the end of a launch
+    std::uint64_t bytes;
+};
+
+// Bytes for the subtrees that the lane shape's pieces leave to be joined, or for what the group shape needs.
 std::uint64_t extra_bytes(const BuildSettings& settings, std::uint32_t primitives) {
     return settings.lane() ? std::uint64_t{kPendingBytes} * kMostPending * most_pieces(settings)
-                           : sizeof(std::uint32_t) * std::uint64_t{primitives};
+                           : GroupViews(settings, primitives, ArrayLayout()).bytes;
 }
 
 ProgramSpec program(const BuildSettings& settings) {
@@ -36,10 +49,18 @@ void climb(const ClusterJob& job) {
     const auto kernel = [&](std::string_view name) -> Kernel& {
         return launcher.session().kernel(program(job.settings), name);
     };
-    const cl::Buffer reached = view_of(b.extra, 0, extra_bytes(job.settings, job.leaf_count));
-    launcher.launch(kernel("clear_nodes"), groups, b.leaf_count, reached, b.nodes);
-    launcher.launch(kernel("climb_boxes"), groups, b.codes, b.primitive_ids, b.boxes, b.leaf_count, reached, b.nodes,
-                    b.root_reference);
+    const GroupViews extra(job.settings, job.leaf_count, ArrayLayout(b.extra));
+    launcher.launch(kernel("clear_nodes"), groups, b.leaf_count, extra.reached, b.nodes);
+    if (!job.settings.climbs_in_steps()) {
+        launcher.launch(kernel("climb_boxes"), groups, b.codes, b.primitive_ids, b.boxes, b.leaf_count, extra.reached,
+                        b.nodes, b.root_reference);
+        return;
+    }
+    launcher.launch(kernel("begin_climbs"), groups, b.leaf_count, extra.climbs, b.root_reference);
+    for (std::uint32_t step = 0; step < std::min<std::uint32_t>(kernels::MOST_STEPS, job.leaf_count); ++step) {
+        launcher.launch(kernel("climb_once"), groups, b.codes, b.primitive_ids, b.boxes, b.leaf_count, extra.reached,
+                        b.nodes, b.root_reference, extra.climbs);
+    }
 }
 
 void build_pieces(const ClusterJob& job) {
@@ -66,7 +87,10 @@ void cluster(const ClusterJob& job) {
 
 }  // namespace
 
-extern const DeviceAlgorithm kLbvh{
-    .cluster = cluster, .extra_bytes = extra_bytes, .box_order = BoxOrder::input, .program = program};
+extern const DeviceAlgorithm kLbvh{.cluster = cluster,
+                                   .extra_bytes = extra_bytes,
+                                   .box_order = BoxOrder::input,
+                                   .program = program,
+                                   .hands_over = true};
 
 }  // namespace clbvh::device

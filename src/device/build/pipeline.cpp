@@ -1,6 +1,7 @@
 #include "device/build/pipeline.hpp"
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "device/build/bounds.hpp"
@@ -14,7 +15,13 @@
 namespace clbvh::device {
 namespace {
 
-void prepare_programs(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings) {
+/// Those of the stages, and the algorithm's own.
+struct PipelinePrograms {
+    std::vector<ProgramSpec> stages;
+    ProgramSpec own;
+};
+
+PipelinePrograms programs_of(const Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings) {
     std::vector<ProgramSpec> stages{bounds_program(settings), morton_program(settings), radix_sort_program(settings),
                                     root_program(settings)};
     if (session.joins_programs() || settings.recodes()) stages.push_back(recode_program(settings));
@@ -25,8 +32,12 @@ void prepare_programs(Session& session, const DeviceAlgorithm& algorithm, const 
     if (session.joins_programs() && (settings.lane() || settings.sort_shape == Shape::lane)) {
         stages.push_back(lane_shape_check_program());
     }
-    const ProgramSpec own = algorithm.program(settings);
-    session.prepare({stages, std::span(&own, 1)});
+    return {std::move(stages), algorithm.program(settings)};
+}
+
+void prepare_programs(Session& session, const DeviceAlgorithm& algorithm, const BuildSettings& settings) {
+    const PipelinePrograms programs = programs_of(session, algorithm, settings);
+    session.prepare({programs.stages, std::span(&programs.own, 1)});
 }
 
 /// Waits for nothing where it is given no memory to build tops in.
@@ -51,6 +62,13 @@ void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const B
 }
 
 }  // namespace
+
+std::vector<ProgramSpec> pipeline_programs(const Session& session, const DeviceAlgorithm& algorithm,
+                                           const BuildSettings& settings) {
+    PipelinePrograms programs = programs_of(session, algorithm, settings);
+    programs.stages.push_back(std::move(programs.own));
+    return std::move(programs.stages);
+}
 
 BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm,
                                const DeviceBuilderConfigs& configs) {

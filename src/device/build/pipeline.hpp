@@ -5,6 +5,10 @@
 
 namespace clbvh::device {
 
+/// All programs of a build with these settings.
+[[nodiscard]] std::vector<ProgramSpec> pipeline_programs(const Session& session, const DeviceAlgorithm& algorithm,
+                                                         const BuildSettings& settings);
+
 /// Resolves the options, and builds the programs that run_pipeline() will use with them. Throws what resolve_settings
 /// and Session::prepare throw.
 [[nodiscard]] BuildSettings prepare_pipeline(Session& session, const DeviceAlgorithm& algorithm,

@@ -1,6 +1,7 @@
 #include "clbvh/device/context.hpp"
 
 #include "clbvh/core/error.hpp"
+#include "device/opencl/hand_over_check.hpp"
 #include "device/opencl/session.hpp"
 
 namespace clbvh {
@@ -32,6 +33,9 @@ const FoundProfile& Context::profile() const noexcept {
 }
 bool Context::prefers_lane_shape() const {
     return session_->prefers_lane_shape();
+}
+bool Context::passes_hand_over_check() const {
+    return device::hand_over_passes_check(*session_);
 }
 
 }  // namespace clbvh

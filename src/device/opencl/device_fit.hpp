@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -29,6 +30,12 @@ struct DeviceFit {
     /// Pieces of a pass over an array of `elements`.
     [[nodiscard]] Pieces stream_pieces(std::uint32_t elements) const;
 };
+
+/// How many of `groups` may take part in a launch in which they hand over to each other: one, which hands over to
+/// itself alone, where that has to wait for the launch's end.
+[[nodiscard]] constexpr std::size_t meeting_groups(HandOver hand_over, std::size_t groups) noexcept {
+    return hand_over == HandOver::within_launch ? groups : std::min<std::size_t>(groups, 1);
+}
 
 /// `shape`, or what an automatic one is on this device: lane on CPUs that pass the self-test, else group.
 [[nodiscard]] Shape definite_shape(Session& session, Shape shape);

@@ -69,6 +69,16 @@ public:
         fail(name + " is not auto, group or lane");
     }
 
+    /// Automatic where it is not there.
+    [[nodiscard]] HandOver hand_over(const std::string& name) const {
+        const auto value = values_.find(name);
+        if (value == values_.end()) return HandOver::automatic;
+        for (const HandOver each : {HandOver::automatic, HandOver::within_launch, HandOver::between_launches}) {
+            if (value->second == to_string(each)) return each;
+        }
+        fail(name + " is not auto, within or between");
+    }
+
 private:
     [[noreturn]] static void fail(const std::string& what) { throw Error(ErrorCode::invalid_input, what); }
 
@@ -104,6 +114,7 @@ Profile read_profile(std::string_view text) {
     profile.chunk_size = reader.number("chunk_size");
     profile.work_group_size = reader.number("work_group_size");
     profile.single_group_threshold = reader.number("single_group_threshold");
+    profile.hand_over = reader.hand_over("hand_over");
     check_profile(profile);
     return profile;
 }
@@ -180,6 +191,7 @@ std::string profile_text(const Profile& profile) {
     add("device", profile.device);
     add("driver_version", profile.driver_version);
     if (profile.sort_shape != Shape::automatic) add("sort_shape", std::string(to_string(profile.sort_shape)));
+    if (profile.hand_over != HandOver::automatic) add("hand_over", std::string(to_string(profile.hand_over)));
     for (const auto& [name, value] :
          {std::pair{"chunk_size", profile.chunk_size}, std::pair{"work_group_size", profile.work_group_size},
           std::pair{"single_group_threshold", profile.single_group_threshold}}) {

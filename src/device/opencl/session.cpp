@@ -6,15 +6,25 @@
 
 #include "clbvh/core/error.hpp"
 #include "device/opencl/device_info.hpp"
+#include "device/opencl/hand_over_check.hpp"
 #include "device/opencl/kernel_dump.hpp"
 #include "device/opencl/kernel_source.hpp"
 #include "device/opencl/lane_shape_check.hpp"
+#include "device/opencl/language.hpp"
+#include "device/opencl/user_folder.hpp"
 
 namespace clbvh::device {
 namespace {
 
-std::string all_options(const ProgramSpec& program) {
-    return "-cl-std=CL1.2 -D WORK_GROUP_SIZE=" + std::to_string(program.work_group_size) + program.options;
+/// What CLBVH_HAND_OVER says; automatic where it is unset.
+HandOver hand_over_variable() {
+    const std::string_view value = environment("CLBVH_HAND_OVER");
+    if (value.empty()) return HandOver::automatic;
+    for (const HandOver each : {HandOver::automatic, HandOver::within_launch, HandOver::between_launches}) {
+        if (value == to_string(each)) return each;
+    }
+    throw Error(ErrorCode::invalid_input,
+                "CLBVH_HAND_OVER is '" + std::string(value) + "'; use auto, within or between");
 }
 
 std::string key_of(std::string_view file, const std::string& options) {
@@ -59,6 +69,14 @@ Session::Session(cl_command_queue queue, const ContextOptions& options) {
 void Session::load_settings(const ContextOptions& options) {
     program_cache_ = ProgramCache(info_, program_store_for(info_, options.program_caching));
     if (options.use_profile) profile_ = find_profile(info_);
+    language_options_ = with_opencl_errors("asking for a device's language",
+                                           [&] { return language_options(language_facts(device_, info_.type)); });
+    hand_over_ = options.hand_over != HandOver::automatic ? options.hand_over : hand_over_variable();
+    if (hand_over_ == HandOver::automatic && profile_.profile) hand_over_ = profile_.profile->hand_over;
+}
+
+std::string Session::all_options(const ProgramSpec& program) const {
+    return language_options_ + " -D WORK_GROUP_SIZE=" + std::to_string(program.work_group_size) + program.options;
 }
 
 std::vector<Session::Batch> Session::batches_of(std::initializer_list<std::span<const ProgramSpec>> groups) const {
@@ -136,6 +154,14 @@ Kernel& Session::kernel(const ProgramSpec& program, std::string_view name) {
 bool Session::joins_programs() const noexcept {
     // PoCL takes 24 ms for a program that it has in its cache, however short, and compiles one at a time.
     return info_.platform == kPoclPlatform;
+}
+
+HandOver Session::hand_over() {
+    if (hand_over_ == HandOver::automatic) {
+        const bool works = info_.type == DeviceType::cpu || hand_over_passes_check(*this);
+        hand_over_ = works ? HandOver::within_launch : HandOver::between_launches;
+    }
+    return hand_over_;
 }
 
 bool Session::may_prefer_lane_shape() const noexcept {

@@ -62,6 +62,10 @@ public:
     /// True where every program costs extra, so that prepare() joins files.
     [[nodiscard]] bool joins_programs() const noexcept;
 
+    /// How groups tell each other things here: never automatic. What the context's options, CLBVH_HAND_OVER or the
+    /// profile say; else within launches on CPU devices, and where a self-test, which is run once, passes.
+    HandOver hand_over();
+
     /// False where prefers_lane_shape() is certain to be.
     [[nodiscard]] bool may_prefer_lane_shape() const noexcept;
     /// True for a CPU device on which kernels with one work item a group pass a small self-test.
@@ -75,6 +79,7 @@ private:
     };
 
     void load_settings(const ContextOptions& options);
+    [[nodiscard]] std::string all_options(const ProgramSpec& program) const;
     [[nodiscard]] std::vector<Batch> batches_of(std::initializer_list<std::span<const ProgramSpec>> groups) const;
     [[nodiscard]] cl::Program build_program(const Batch& batch) const;
 
@@ -89,6 +94,8 @@ private:
     std::size_t program_count_ = 0;
     std::map<std::string, Kernel, std::less<>> kernels_;
     std::optional<bool> lane_shape_works_;
+    std::string language_options_;
+    HandOver hand_over_ = HandOver::automatic;
 };
 
 }  // namespace clbvh::device

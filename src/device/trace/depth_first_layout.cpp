@@ -61,7 +61,8 @@ void launch_depth_first(Launcher& launcher, const LayoutSettings& settings, Dept
         (std::size_t{scene.node_count} + kernels::SLOTS_PER_GROUP - 1) / kernels::SLOTS_PER_GROUP;
     const std::size_t top_groups = settings.share_groups;
     launcher.launch(kernel("link_pairs"), groups, tree, active_count, place, out, parts);
-    launcher.launch(kernel("measure"), groups, tree, active_count, place, out, parts);
+    launcher.launch(kernel("measure"), meeting_groups(settings.hand_over, groups), tree, active_count, place, out,
+                    parts);
     launcher.launch(kernel("place_top"), top_groups, tree, place, out, parts);
     // The depth, which decides how many of these do anything, is below the number of pairs.
     const auto doublings = static_cast<std::uint32_t>(std::bit_width(scene.node_count / 2));

@@ -110,7 +110,8 @@ kernels::LayoutPlace place_of(const WideParts& layout) {
 LayoutSettings resolve_layout_settings(Session& session, Shape shape) {
     const DeviceFit fit = fit_to_device(session, shape);
     const std::size_t largest = session.info().max_work_group_size;
-    return {fit.lane() ? 1 : std::min<std::size_t>(kLayoutGroupSize, largest), fit.groups_to_fill * 4};
+    return {fit.lane() ? 1 : std::min<std::size_t>(kLayoutGroupSize, largest), fit.groups_to_fill * 4,
+            session.hand_over()};
 }
 
 ProgramSpec wide_program(const LayoutSettings& settings, WideKind kind) {

@@ -39,8 +39,9 @@ struct TraceScene {
 
 /// How layouts are made on one device.
 struct LayoutSettings {
-    std::size_t work_group_size = 1;  ///< 1 in the lane shape.
-    std::uint32_t share_groups = 1;   ///< Of passes that are dealt out to any number of groups.
+    std::size_t work_group_size = 1;               ///< 1 in the lane shape.
+    std::uint32_t share_groups = 1;                ///< Of passes that are dealt out to any number of groups.
+    HandOver hand_over = HandOver::within_launch;  ///< Never automatic.
 };
 [[nodiscard]] LayoutSettings resolve_layout_settings(Session& session, Shape shape);
 

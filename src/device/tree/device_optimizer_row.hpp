@@ -12,8 +12,9 @@ namespace clbvh::device {
 
 /// DeviceOptimizerOptions with everything chosen for one device.
 struct OptimizeSettings : DeviceFit {
-    std::uint32_t passes = 0;          ///< most of each optimiser; 0: its own limit
-    std::uint32_t treelet_leaves = 7;  ///< of `treelet`
+    std::uint32_t passes = 0;                      ///< most of each optimiser; 0: its own limit
+    std::uint32_t treelet_leaves = 7;              ///< of `treelet`
+    HandOver hand_over = HandOver::within_launch;  ///< never automatic
 };
 
 /// A tree to be improved in place.

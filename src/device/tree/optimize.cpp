@@ -18,6 +18,7 @@ OptimizeSettings resolve(Session& session, const DeviceOptimizerOptions& options
     static_cast<DeviceFit&>(settings) = fit_to_device(session, shape);
     settings.passes = options.passes;
     settings.treelet_leaves = options.treelet_leaves;
+    settings.hand_over = session.hand_over();
     return settings;
 }
 

@@ -80,7 +80,8 @@ void refit_in_groups(Launcher& launcher, const RefitSettings& settings, const Tr
     const std::size_t groups = slot_groups(tree.node_count);
     launch_cost_sums(launcher, settings.stream_group_size, tree, settings.costs, scratch.before);
     launch_on_tree(launcher, kernel("fit_leaves"), groups, tree, primitive_ids, boxes);
-    launch_on_tree(launcher, kernel("fit_inner"), groups, tree, order.parents, order.arrivals);
+    launch_on_tree(launcher, kernel("fit_inner"), meeting_groups(settings.hand_over, groups), tree, order.parents,
+                   order.arrivals);
     launch_cost_sums(launcher, settings.stream_group_size, tree, settings.costs, scratch.after);
 }
 
@@ -91,6 +92,7 @@ RefitSettings resolve_refit_settings(Session& session, Shape shape, const SahCos
     static_cast<DeviceFit&>(settings) = fit_to_device(session, shape);
     settings.ranges = std::min(kRangesPerUnit * session.info().compute_units, kMostRanges);
     settings.costs = costs;
+    if (!settings.lane()) settings.hand_over = session.hand_over();
     return settings;
 }
 

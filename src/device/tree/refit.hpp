@@ -12,6 +12,7 @@ namespace clbvh::device {
 struct RefitSettings : DeviceFit {
     std::uint32_t ranges = 1;  ///< work items for the subtrees, in the lane shape
     SahCosts costs;
+    HandOver hand_over = HandOver::within_launch;  ///< never automatic
 };
 
 /// Throws Error(unsupported) for what the device cannot run.

@@ -56,6 +56,7 @@ ReinsertSizes::ReinsertSizes(const OptimizeSettings& settings, std::uint32_t nod
       candidates(node_count / kernels::MOST_PART_DIVISOR + 1),
       groups(std::min(std::uint64_t{settings.groups_to_fill} * (settings.lane() ? kLaneGroups : kGroups),
                       candidates / kLeastShare + 1)),
+      box_groups(meeting_groups(settings.hand_over, groups)),
       blocks(slot_groups(node_count)) {}
 
 ReinsertViews::ReinsertViews(const ReinsertSizes& sizes, ArrayLayout layout)
@@ -125,13 +126,13 @@ void ReinsertPasses::move() {
 void ReinsertPasses::refit(bool is_undoing) {
     const std::uint32_t undoing = is_undoing ? 1 : 0;
     launch(kRefit, "mark_changes", sizes_.groups, v_.parents, v_.control, undoing, v_.found, v_.state, v_.arrivals);
-    launch(kRefit, "refit_changes", sizes_.groups, nodes(), v_.parents, v_.control, undoing, v_.found, v_.state,
+    launch(kRefit, "refit_changes", sizes_.box_groups, nodes(), v_.parents, v_.control, undoing, v_.found, v_.state,
            v_.arrivals, v_.ranks, v_.histogram, v_.box_changes);
 }
 
 void ReinsertPasses::end() {
-    launch(kRefit, "end_pass", 1, v_.move_changes, v_.box_changes, static_cast<std::uint32_t>(sizes_.groups),
-           v_.control, v_.area);
+    launch(kRefit, "end_pass", 1, v_.move_changes, static_cast<std::uint32_t>(sizes_.groups), v_.box_changes,
+           static_cast<std::uint32_t>(sizes_.box_groups), v_.control, v_.area);
 }
 
 void ReinsertPasses::undo() {

@@ -11,6 +11,7 @@ struct ReinsertSizes {
     std::uint64_t nodes;
     std::uint64_t candidates;  ///< Most of a pass.
     std::uint64_t groups;      ///< Of launches over candidates.
+    std::uint64_t box_groups;  ///< Of those among them in which groups hand over to each other.
     std::uint64_t blocks;      ///< Of launches over slots.
 
     ReinsertSizes(const OptimizeSettings& settings, std::uint32_t node_count);

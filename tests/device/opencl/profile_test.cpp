@@ -27,6 +27,7 @@ Profile profile_of(const DeviceInfo& device) {
     profile.chunk_size = 192;
     profile.work_group_size = 128;
     profile.single_group_threshold = 1000;
+    profile.hand_over = HandOver::within_launch;
     return profile;
 }
 
@@ -82,10 +83,12 @@ TEST_CASE("profile: what is written is read, and what has nothing to say is left
     CHECK(read.chunk_size == profile.chunk_size);
     CHECK(read.work_group_size == profile.work_group_size);
     CHECK(read.single_group_threshold == profile.single_group_threshold);
+    CHECK(read.hand_over == HandOver::within_launch);
     const Profile commented = parse_profile("# mine\n\n" + profile_text(profile) + "  # chunk_size = 64\r\n", "it");
     CHECK(commented.chunk_size == profile.chunk_size);
     const Profile silent = parse_profile(profile_text({"p", "d", "v"}), "it");
     CHECK(silent.sort_shape == Shape::automatic);
+    CHECK(silent.hand_over == HandOver::automatic);
     CHECK(silent.chunk_size + silent.work_group_size + silent.single_group_threshold == 0);
 }
 
@@ -102,6 +105,7 @@ TEST_CASE("profile: a text that is no profile is an error that names the file an
     expect_refused("= 7", "line 1 is not NAME = VALUE");
     expect_refused(whole + "chunk_size = 64\n", "chunk_size is there twice");
     expect_refused(changed("clbvh-profile", "other"), "format");
+    expect_refused(changed("hand_over = within", "hand_over = yes"), "hand_over is not auto, within or between");
     expect_refused(changed("version = 1", "version = 2"), "version");
     expect_refused(changed("driver_version", "driver"), "no driver_version");
     expect_refused(changed("sort_shape = group", "sort_shape = square"), "sort_shape");

@@ -149,6 +149,17 @@ TEST_CASE("devices lists what the library finds, and marks the default") {
     }
 }
 
+TEST_CASE("devices tells on request how each does in the self-test") {
+    CHECK_FALSE(json_of("devices")["devices"][0].contains("self_test_passed"));
+    const Outcome outcome = run_tool({"devices", "--self-test", "--json", "-"});
+    const ordered_json list = ordered_json::parse(outcome.out)["devices"];
+    bool all_passed = true;
+    for (const ordered_json& device : list)
+        all_passed = all_passed && device["self_test_passed"] == true;
+    CHECK(outcome.exit_code == (all_passed ? 0 : 1));
+    if (all_passed) CHECK_THAT(run_tool({"devices", "--self-test"}).out, Contains("device 0: self-test passed"));
+}
+
 TEST_CASE("devices shows what there is though CLBVH_DEVICE names what there is not") {
     const Outcome outcome = run_tool({"devices", "--json", "-"}, {"CLBVH_DEVICE=no such device"});
     REQUIRE(outcome.exit_code == 0);

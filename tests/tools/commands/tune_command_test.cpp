@@ -69,6 +69,7 @@ TEST_CASE("tune writes the device's profile, which devices and build then show")
     }
     CHECK(document["profile"]["device"] == document["device"]["name"]);
     CHECK(document["runs"] == 1);
+    CHECK(document["profile"]["hand_over"] == "within");
     check_tried(document["tried"], document["profile"]);
 
     CHECK(json_of({"build", "gen:soup:100"}, environment)["profile"] == file);
