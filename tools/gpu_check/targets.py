@@ -52,6 +52,7 @@ KNOWN_SPILLS = {
     ("sm_90", "recode_runs"): 60,
     ("sm_90", "trace_any"): 16,
     ("sm_75", "recode_at_once"): 32,
+    ("sm_75", "write_pieces"): 60,
 }
 
 
