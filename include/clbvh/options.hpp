@@ -47,7 +47,7 @@ struct BuildOptions : DeviceBuilderConfigs {
     std::uint32_t optimize_passes = 0;  ///< Most passes of each of them; on a device never more than 1000. 0: as many
                                         ///< as it finds worth while.
     OptimizeOn optimize_on = OptimizeOn::host;  ///< Where they run; see OptimizeOn.
-    bool ray_cost = false;  ///< Fill BuildStats::ray_cost, where a Builder builds over triangles; some 20 ms.
+    bool ray_cost = false;  ///< Fill BuildStats::ray_cost, where a Builder builds over triangles; tens of ms.
     NodeOpening opening = NodeOpening::largest_first;  ///< Of what Builder::build_layout and build_tracer make.
     std::uint32_t thread_count = 0;  ///< Threads of the host's work, 1 to 1024; 0: all. The tree is always the same.
 

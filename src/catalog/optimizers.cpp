@@ -63,7 +63,7 @@ const OptimizerRow kRows[] = {
               .paper = "Yoon, Curtis, Manocha 2007"},
      .run = run_within<RebuildConfig, rebuild>},
     {.info = {.id = "rebuild-top",
-              .title = "What is above subtrees of 64 primitives is built anew by binned SAH where that is cheaper",
+              .title = "The top, the nodes with the largest boxes, is built anew by binned SAH where that is cheaper",
               .paper = "Pantaleoni, Luebke 2010"},
      .run = run_within<RebuildTopConfig, rebuild_top>},
     {.info = {.id = "rotate", .title = "Hill climbing by tree rotations", .paper = "Kensler 2008"},

@@ -81,8 +81,9 @@ private:
         return std::min<std::size_t>((block + 1) * kBlock, mesh_.triangle_count);
     }
     [[nodiscard]] double area_of(std::size_t triangle) const noexcept {
-        const auto index = static_cast<std::uint32_t>(triangle);
-        return is_inactive(mesh_, index) ? 0.0 : TriangleSurface(mesh_, index).area();
+        // An inactive triangle has a NaN, and so has its area.
+        const double area = TriangleSurface(mesh_, static_cast<std::uint32_t>(triangle)).area();
+        return area > 0.0 ? area : 0.0;
     }
 
     const MeshView& mesh_;

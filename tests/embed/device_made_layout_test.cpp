@@ -10,6 +10,7 @@
 #include "embed/embedded_kernels.hpp"
 #include "support/builders.hpp"
 #include "support/found_rays.hpp"
+#include "support/uploaded_scene.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -41,14 +42,6 @@ __kernel void trace_compressed8(ARGUMENTS) {
 }
 )";
 
-template <typename T>
-cl::Buffer upload(const std::vector<T>& values) {
-    device::Session& session = shared_context().session();
-    const cl::Buffer buffer(session.context(), CL_MEM_READ_WRITE, values.size() * sizeof(T));
-    session.queue().enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(T), values.data());
-    return buffer;
-}
-
 }  // namespace
 
 TEST_CASE("embedded: layouts that the device made are traced where they lie") {
@@ -57,16 +50,9 @@ TEST_CASE("embedded: layouts that the device made are traced where they lie") {
     const std::vector<Ray> rays = rays_for(mesh, 50);
     std::vector<Hit> expected(rays.size()), found(rays.size());
     Tracer(bvh, mesh).closest(rays, expected);
-    const cl::Buffer nodes = upload(bvh.nodes), ids = upload(bvh.primitive_ids), vertices = upload(mesh.vertices),
-                     indices = upload(mesh.triangles), ray_buffer = upload(rays), hits = upload(found);
-    DeviceScene scene;
-    scene.bvh = {{nodes()},
-                 static_cast<std::uint32_t>(bvh.nodes.size()),
-                 {ids()},
-                 static_cast<std::uint32_t>(bvh.primitive_ids.size())};
-    scene.triangles.count = static_cast<std::uint32_t>(mesh.triangles.size());
-    scene.triangles.vertices = {vertices()};
-    scene.triangles.indices = {indices()};
+    const UploadedScene uploaded(bvh, mesh);
+    DeviceScene scene = uploaded.scene;
+    const cl::Buffer ray_buffer = upload(rays), hits = upload(found);
     cl::Program program = build_embedded(kKernels, device_is_exact() ? "-cl-fp32-correctly-rounded-divide-sqrt" : "");
     cl::CommandQueue queue = shared_context().session().queue();
     DeviceTracer tracer(shared_context());
@@ -81,7 +67,7 @@ TEST_CASE("embedded: layouts that the device made are traced where they lie") {
         cl::KernelFunctor<cl::Buffer, cl_ulong, cl_ulong, cl_ulong, cl::Buffer, cl::Buffer, cl::Buffer, cl::Buffer>
             trace(program, "trace_" + std::string(to_string(kind)));
         trace(cl::EnqueueArgs(queue, cl::NDRange(rays.size())), layout, parts.header.offset, parts.nodes.offset,
-              parts.elements.offset, vertices, indices, ray_buffer, hits);
+              parts.elements.offset, uploaded.vertices, uploaded.indices, ray_buffer, hits);
         queue.enqueueReadBuffer(hits, CL_TRUE, 0, found.size() * sizeof(Hit), found.data());
         if (device_is_exact()) CHECK(count_differences(found, expected) == 0);
     }

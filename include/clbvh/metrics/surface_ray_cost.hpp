@@ -32,8 +32,8 @@ inline constexpr std::uint32_t kSurfaceRays = 10000;
 /// children at a time, the nearer one first, as BinaryTracer does; the triangle that a ray begins on does not end it,
 /// and it begins 2^-18 of its largest coordinate away from there.
 ///
-/// In the calling task arena of oneTBB, the same bits on any number of threads; some 10 ms for 10,000 rays and some a
-/// million triangles. 0 where no ray was traced. Throws Error(invalid_input) for a negative or non-finite cost, a
+/// In the calling task arena of oneTBB, the same bits on any number of threads; tens of milliseconds for 10,000 rays
+/// and a million triangles. 0 where no ray was traced. Throws Error(invalid_input) for a negative or non-finite cost, a
 /// number of rays out of range, for a mesh that check_mesh refuses and for a tree that was not built over this mesh.
 [[nodiscard]] CLBVH_API SurfaceRayCost surface_ray_cost(const Bvh& bvh, const MeshView& mesh,
                                                         std::uint32_t ray_count = kSurfaceRays,

@@ -18,7 +18,7 @@ struct ClusterJob {
     /// The host must not wait for the device where that can be helped, and leaf_count is an upper bound: what
     /// buffers.primitive_count holds may be less, and 0.
     bool asynchronous = false;
-    host::TopMemory* top_memory = nullptr;  ///< Where DeviceAlgorithm::uses_host: absent in asynchronous builds.
+    host::TopMemory* top_memory = nullptr;  ///< Where DeviceAlgorithm::uses_host is set, else null.
 };
 
 /// The part in which one device builder differs from the next.

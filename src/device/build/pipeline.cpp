@@ -40,9 +40,9 @@ void prepare_programs(Session& session, const DeviceAlgorithm& algorithm, const 
     session.prepare({programs.stages, std::span(&programs.own, 1)});
 }
 
-/// Waits for nothing where it is given no memory to build tops in.
 void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
-                   const DeviceMesh& mesh, const BuildBuffers& buffers, host::TopMemory* top_memory) {
+                   const DeviceMesh& mesh, const BuildBuffers& buffers, bool asynchronous,
+                   host::TopMemory* top_memory) {
     launcher.begin_stage("bounds", 0.0);
     launch_bounds(launcher, settings, buffers, mesh);
     launcher.begin_stage("morton", 0.05);
@@ -55,7 +55,7 @@ void launch_stages(Launcher& launcher, const DeviceAlgorithm& algorithm, const B
         launch_leaves(launcher, settings, buffers, mesh.active_count);
     }
     with_opencl_errors("clustering", [&] {
-        algorithm.cluster({launcher, settings, buffers, mesh.active_count, top_memory == nullptr, top_memory});
+        algorithm.cluster({launcher, settings, buffers, mesh.active_count, asynchronous, top_memory});
     });
     launcher.begin_stage("root", 0.95);
     launch_root(launcher, settings, buffers, algorithm.box_order);
@@ -91,7 +91,7 @@ MemoryPlan plan_pipeline(const DeviceAlgorithm& algorithm, const BuildSettings& 
 
 void enqueue_pipeline(Launcher& launcher, const DeviceAlgorithm& algorithm, const BuildSettings& settings,
                       const DeviceMesh& mesh, const BuildBuffers& buffers) {
-    launch_stages(launcher, algorithm, settings, mesh, buffers, nullptr);
+    launch_stages(launcher, algorithm, settings, mesh, buffers, true, nullptr);
     if (settings.groups_primitives()) launch_clear_unused(launcher, settings, buffers);
 }
 
@@ -110,7 +110,8 @@ BuildStats run_pipeline(Session& session, const DeviceAlgorithm& algorithm, cons
     Launcher launcher(session, progress);
     if (mesh.active_count > 0) {
         const BuildBuffers& buffers = memory.buffers();
-        launch_stages(launcher, algorithm, settings, mesh, buffers, &memory.top());
+        launch_stages(launcher, algorithm, settings, mesh, buffers, false,
+                      algorithm.uses_host ? &memory.top() : nullptr);
         with_opencl_errors("optimizing", [&] {
             const TreeNodes tree{buffers.nodes, 2 * mesh.active_count, {buffers.leaf_count}};
             optimizers.launch(launcher, tree, scratch, 0.95);

@@ -20,6 +20,7 @@
 #include "support/meshes.hpp"
 #include "support/opencl_calls.hpp"
 #include "support/refit_memory.hpp"
+#include "support/uploaded_scene.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -29,34 +30,6 @@ namespace {
 const cl::CommandQueue& queue() {
     return shared_context().session().queue();
 }
-
-template <typename T>
-cl::Buffer upload(const std::vector<T>& values) {
-    const std::size_t bytes = values.size() * sizeof(T);
-    const cl::Buffer buffer(shared_context().session().context(), CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 64));
-    if (bytes > 0) queue().enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, values.data());
-    return buffer;
-}
-
-/// A tree and a mesh of the host's in device memory.
-struct UploadedScene {
-    cl::Buffer nodes, ids, vertices, indices;
-    DeviceScene scene;
-
-    UploadedScene(const Bvh& bvh, const Mesh& mesh)
-        : nodes(upload(bvh.nodes)),
-          ids(upload(bvh.primitive_ids)),
-          vertices(upload(mesh.vertices)),
-          indices(upload(mesh.triangles)) {
-        scene.bvh = {{nodes()},
-                     static_cast<std::uint32_t>(bvh.nodes.size()),
-                     {ids()},
-                     static_cast<std::uint32_t>(bvh.primitive_ids.size())};
-        scene.triangles.count = static_cast<std::uint32_t>(mesh.triangles.size());
-        scene.triangles.vertices = {vertices()};
-        scene.triangles.indices = {indices()};
-    }
-};
 
 template <typename T>
 std::vector<T> read_span(const DeviceSpan& span, std::size_t count) {
