@@ -9,9 +9,8 @@
 //   inout  reached, nodes
 //   out    root_reference [1]
 //   launch ceil(leaf_count / WORK_GROUP_SIZE) groups
-// begin_climbs, climb_once   group shape, where groups hand nothing over within a launch: each launch of climb_once is
-// a
-//                step of climb_boxes
+// begin_climbs, climb_once   group shape, where groups hand nothing over within a launch
+//                each launch of climb_once is a step of climb_boxes
 //   inout  climbs [leaf_count]
 //   launch as climb_boxes; climb_once MOST_STEPS times, or leaf_count where that is less
 // build_pieces   lane shape: one work item a contiguous piece of the leaves, with a stack instead of atomics
