@@ -170,8 +170,8 @@ protected:
         hits.sure = accepted_hits(rays_, vertices, hits.sure, hits.t);
         alignas(32) std::array<std::array<float, kPacketRays>, 3> values;
         hits.t.store_aligned(values[0].data());
-        hits.u.store_aligned(values[1].data());
-        hits.v.store_aligned(values[2].data());
+        hits.u().store_aligned(values[1].data());
+        hits.v().store_aligned(values[2].data());
         for (std::uint32_t left = hits.sure; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(left));
             found(lane, Hit{values[0][lane], values[1][lane], values[2][lane], block.primitives[triangle]});

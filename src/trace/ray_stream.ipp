@@ -1,6 +1,8 @@
 // Tracing many rays that have nothing in common, for AVX2: some dozens are under way at a time, and take a step each in
-// their turn. The steps of different rays do not wait for each other, what a ray needs is asked for a turn ahead, and
-// no step through a node has a branch: so hardly anything is guessed wrong. In terms of stream_rays.ipp.
+// their turn: through a node, or through one block of triangles. The steps of different rays do not wait for each
+// other, what a ray needs is asked for a turn ahead, and no step but that to a hit has a branch: so hardly anything is
+// guessed wrong. A turn is a few loops over all rays rather than one: short chains of instructions, of many rays, fill
+// a processor that long ones leave waiting. In terms of stream_rays.ipp.
 
 /// Puts the greatest one first: Batcher's bitonic network.
 inline simd::avx2::Int8 sorted_downwards(simd::avx2::Int8 keys) noexcept {
@@ -71,13 +73,13 @@ public:
 
     void trace_all() {
         for (std::uint32_t slot = 0; slot < stacks_.count(); ++slot)
-            start(slot);
-        while (at_node_.count + at_leaf_.count != 0) {
+            start(under_way_[slot]);
+        while (counts_.at_node + counts_.at_leaf != 0) {
             visit_nodes();
             visit_leaves();
-            for (const std::uint32_t slot : done_.take()) {
-                finish(under_way_[slot]);
-                start(slot);
+            for (StreamRay* const ray : done_.first(std::exchange(counts_.done, 0))) {
+                finish(*ray);
+                start(*ray);
             }
         }
     }
@@ -90,39 +92,42 @@ private:
     static constexpr bool kIsAny = Visitor::kIsAny;
     static constexpr std::uint32_t kUnderWay = 32;  // 16 and 64 are no faster
 
-    /// Slots whose rays have something in common.
-    struct Slots {
-        std::array<std::uint32_t, kUnderWay + 1> slots;
-        std::uint32_t count = 0;
+    /// Rays that have something in common. What is added may go where those were that have been looked at.
+    struct RayList {
+        std::array<StreamRay*, kUnderWay + 1> rays;
 
-        /// It counts only where `is_one` is 1, not where it is 0.
-        void add(std::uint32_t slot, std::uint32_t is_one) noexcept {
-            slots[count] = slot;
-            count += is_one;
+        [[nodiscard]] std::span<StreamRay* const> first(std::uint32_t count) const noexcept {
+            return {rays.data(), count};
         }
-        /// Empties it. What is added then may go where those were that have been looked at.
-        [[nodiscard]] std::span<const std::uint32_t> take() noexcept { return {slots.data(), std::exchange(count, 0)}; }
+    };
+    /// How many rays are in each list. Loops work on a copy, which stays in registers: stores of theirs might change
+    /// the member.
+    struct Counts {
+        std::uint32_t at_node = 0, at_leaf = 0, done = 0;
     };
 
-    /// Sends the slot's ray on its way to what it visits next.
-    void go_on(std::uint32_t slot, std::uint32_t child) noexcept {
+    /// Sends the ray on its way to what it visits next. A list counts it only where that is so, without a branch.
+    CLBVH_ALWAYS_INLINE void go_on(StreamRay& ray, std::uint32_t child, Counts& counts) noexcept {
         static_assert(WideChild::kNone == 0xFFFFFFFFU && WideChild::kLeafFlag == 0x80000000U);
         const auto is_none = static_cast<std::uint32_t>((std::uint64_t{child} + 1) >> 32U);
         const std::uint32_t is_no_node = child >> 31U;
-        at_node_.add(slot, 1 - is_no_node);
-        at_leaf_.add(slot, is_no_node - is_none);
-        done_.add(slot, is_none);
+        at_node_.rays[counts.at_node] = &ray;
+        at_leaf_.rays[counts.at_leaf] = &ray;
+        done_.rays[counts.done] = &ray;
+        counts.at_node += 1 - is_no_node;
+        counts.at_leaf += is_no_node - is_none;
+        counts.done += is_none;
     }
 
-    /// Gives the slot the next ray, if there is one.
-    void start(std::uint32_t slot) {
+    /// Puts the next ray, if there is one, into the place of one that is done.
+    void start(StreamRay& place) {
         while (ready_bits_ == 0) {
             if (!get_ready()) return;
         }
-        under_way_[slot] = ready_[static_cast<std::size_t>(std::countr_zero(ready_bits_))];
-        under_way_[slot].top = stacks_.bottom(slot);
+        place = ready_[static_cast<std::size_t>(std::countr_zero(ready_bits_))];
+        place.top = stacks_.bottom(static_cast<std::uint32_t>(&place - under_way_.data()));
         ready_bits_ &= ready_bits_ - 1;
-        at_node_.add(slot, 1);
+        at_node_.rays[counts_.at_node++] = &place;
     }
     void finish(const StreamRay& ray) noexcept {
         if constexpr (kIsAny)
@@ -161,16 +166,6 @@ private:
         return true;
     }
 
-    void visit_nodes() noexcept {
-        const Places places{{reinterpret_cast<const std::byte*>(tree_.nodes.data()),
-                             reinterpret_cast<const std::byte*>(tree_.blocks.data())},
-                            {sizeof(WideNode<8>), sizeof(TriangleBlock)},
-                            stacks_.children(),
-                            stacks_.entries()};
-        for (const std::uint32_t slot : at_node_.take())
-            go_on(slot, visit_node(places, under_way_[slot]));
-    }
-
     /// What all rays go through, at hand. Nodes come first, then blocks.
     struct Places {
         std::array<const std::byte*, 2> begins;
@@ -178,10 +173,40 @@ private:
         std::uint32_t* children;
         std::uint32_t* entries;
     };
+    /// The children of a node that a ray meets.
+    struct MetChildren {
+        alignas(32) std::array<std::uint32_t, kWidth> keys;
+        std::uint32_t count;
+    };
 
-    /// Tests the boxes of the node, puts the children that are met onto the ray's stack, and takes from there what it
-    /// visits next.
-    static std::uint32_t visit_node(const Places& places, StreamRay& ray) noexcept {
+    [[nodiscard]] Places places() noexcept {
+        return {{reinterpret_cast<const std::byte*>(tree_.nodes.data()),
+                 reinterpret_cast<const std::byte*>(tree_.blocks.data())},
+                {sizeof(WideNode<8>), sizeof(TriangleBlock)},
+                stacks_.children(),
+                stacks_.entries()};
+    }
+
+    void visit_nodes() noexcept {
+        const Places at = places();
+        const std::span<StreamRay* const> rays = at_node_.first(std::exchange(counts_.at_node, 0));
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            test_boxes(at, *rays[i], met_[i]);
+        Counts counts = counts_;
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            take_next(at, *rays[i], defer_children(at, *rays[i], met_[i]), counts);
+        counts_ = counts;
+    }
+    /// Sends the ray to the child at this place of its stack, which becomes its top.
+    CLBVH_ALWAYS_INLINE void take_next(const Places& at, StreamRay& ray, std::uint32_t top, Counts& counts) noexcept {
+        const std::uint32_t child = at.children[top];
+        ray.top = top;
+        ray.child = child;
+        prefetch_ahead(at, child);
+        go_on(ray, child, counts);
+    }
+
+    static CLBVH_ALWAYS_INLINE void test_boxes(const Places& places, const StreamRay& ray, MetChildren& met) noexcept {
         const std::byte* const node = places.begins[0] + std::size_t{ray.child} * sizeof(WideNode<8>);
         const auto side = [node](std::uint32_t offset) {
             return Floats8::load_aligned(reinterpret_cast<const float*>(node + offset));
@@ -193,23 +218,25 @@ private:
             entry = max((side(ray.axes.near[axis]) - origin) * inverse, entry);
             exit = min((side(ray.axes.far[axis]) - origin) * inverse, exit);
         }
-        const auto met = less_equal(entry, exit * Floats8::filled(kBoxSlack));
+        const auto is_met = less_equal(entry, exit * Floats8::filled(kBoxSlack));
         // No entry is below 0, so that integers order children as entries do. The last ones, with a key below 0, are
         // those that are not met. The lane stands in the last bits.
         const Int8 order = kIsAny ? Int8::bits_of(entry) ^ Int8::filled(0x7FFFFFFFU) : Int8::bits_of(entry);
         const Int8 named = (order & Int8::filled(~(kWidth - 1))) | Int8::lane_numbers();
-        const Int8 keys = sorted_downwards(select(met, named, Int8::filled(0xFFFFFFFFU)));
-        std::uint32_t top = ray.top;
+        select(is_met, named, Int8::filled(0xFFFFFFFFU)).store(met.keys.data());
+        met.count = static_cast<std::uint32_t>(std::popcount(is_met.bits()));
+    }
+    /// Puts the children that are met onto the ray's stack. Returns where the one to visit next stands there.
+    static CLBVH_ALWAYS_INLINE std::uint32_t defer_children(const Places& places, const StreamRay& ray,
+                                                            const MetChildren& met) noexcept {
+        const std::byte* const node = places.begins[0] + std::size_t{ray.child} * sizeof(WideNode<8>);
+        const Int8 keys = sorted_downwards(Int8::load(met.keys.data()));
+        const std::uint32_t top = ray.top;
         constexpr std::size_t children_begin = offsetof(WideNode<8>, children);
         permuted(Int8::load(reinterpret_cast<const std::uint32_t*>(node + children_begin)), keys)
             .store(places.children + top);
         if constexpr (!kIsAny) keys.store(places.entries + top);
-        top += static_cast<std::uint32_t>(std::popcount(met.bits())) - 1;
-        const std::uint32_t child = places.children[top];
-        prefetch_ahead(places, child);
-        ray.top = top;
-        ray.child = child;
-        return child;
+        return top + met.count - 1;
     }
     // A compiler may drop calls of what only prefetches; it does not where it is inlined.
     static CLBVH_ALWAYS_INLINE void prefetch_ahead(const Places& places, std::uint32_t child) noexcept {
@@ -220,31 +247,46 @@ private:
             prefetch(begin + line * line_bytes);
     }
 
+    /// Goes through one block of each leaf: first all are tested, then what was found is looked at.
     void visit_leaves() {
-        for (const std::uint32_t slot : at_leaf_.take()) {
-            StreamRay& ray = under_way_[slot];
-            go_on(slot, visit_leaf(ray) ? next_child(ray) : WideChild::kNone);
+        const std::span<StreamRay* const> rays = at_leaf_.first(std::exchange(counts_.at_leaf, 0));
+        const std::uint32_t found = test_blocks(rays);
+        for (const std::uint32_t i : std::span(found_).first(found))
+            accept_hits(*rays[i], tested_[i / 2], i % 2);
+        const Places at = places();
+        Counts counts = counts_;
+        for (StreamRay* const ray : rays) {
+            const bool is_done = kIsAny && ray->hit;
+            const bool is_last = WideChild::block_count(ray->child) == 1;
+            const std::uint32_t next_block = ray->child + 1 - (1U << WideChild::kBlockCountShift);
+            const std::uint32_t waiting = next_top(*ray);
+            // The leaf stays on top for its next block.
+            at.children[ray->top] = is_done ? WideChild::kNone : next_block;
+            take_next(at, *ray, is_last && !is_done ? waiting : ray->top, counts);
         }
+        counts_ = counts;
     }
-    /// Returns false to end the ray.
-    bool visit_leaf(StreamRay& ray) noexcept {
-        const TriangleBlock* block = tree_.blocks.data() + WideChild::first_block(ray.child);
-        const TriangleBlock* const end = block + WideChild::block_count(ray.child);
-        const LanesOf<Test, Floats4> lanes = lanes_of(ray);
-        for (; block != end; ++block) {
-            if (!visit_block(*block, lanes, ray)) return false;
+    /// Returns how many of found_ are the rays that may have hits.
+    std::uint32_t test_blocks(std::span<StreamRay* const> rays) noexcept {
+        std::uint32_t found = 0;
+        for (std::size_t i = 0; i < rays.size(); i += 2) {
+            const std::size_t second = std::min(i + 1, rays.size() - 1);
+            PairHits& hits = tested_[i / 2];
+            test_pair<Set, Test>({*rays[i], block_of(*rays[i])}, {*rays[second], block_of(*rays[second])}, rays_, hits);
+            const std::uint32_t lanes = hits.sure | hits.inexact;
+            found_[found] = static_cast<std::uint32_t>(i);
+            found += (lanes & kAllLanes<Floats4>) != 0 ? 1 : 0;
+            found_[found] = static_cast<std::uint32_t>(i + 1);
+            found += lanes >> kBlockTriangles != 0 && second != i ? 1 : 0;
         }
-        return true;
+        return found;
     }
-    [[nodiscard]] LanesOf<Test, Floats4> lanes_of(const StreamRay& ray) const noexcept {
-        if constexpr (std::is_same_v<Test, WatertightTest>) {
-            return {ray.axes.shear, ray.origin.data(), ray.factors.data(), ray.t_min()};
-        } else {
-            const Ray& of_span = rays_[ray.number];
-            return {Test(of_span), of_span, ray.t_min()};
-        }
+    [[nodiscard]] const TriangleBlock& block_of(const StreamRay& ray) const noexcept {
+        return tree_.blocks.data()[WideChild::first_block(ray.child)];
     }
-    bool visit_block(const TriangleBlock& block, const LanesOf<Test, Floats4>& lanes, StreamRay& ray) const noexcept {
+
+    void accept_hits(StreamRay& ray, const PairHits& hits, std::uint32_t which) const noexcept {
+        const TriangleBlock& block = block_of(ray);
         const auto found = [&ray](const Hit& hit) {
             if (kIsAny || is_closer(hit.t, hit.primitive, ray.hit)) {
                 ray.hit = hit;
@@ -252,24 +294,22 @@ private:
             }
             return !kIsAny;
         };
-        const auto visit_inexact = [&](std::uint32_t inexact) {
+        LaneHits<Floats4> of_block = hits.of<Floats4>(which);
+        if (of_block.inexact != 0) {
             const Ray& of_span = rays_[ray.number];
-            return visit_hits_one_by_one(block, inexact, HitRule(of_span), Test(of_span), ray.reach(), found);
-        };
-        return visit_hits_of<Floats4>(block, lanes, StreamRayInAllLanes<Floats4>(ray), ray.reach(), visit_inexact,
-                                      found);
-    }
-    /// Takes the next child from the stack, of the topmost ones the first that the ray reaches.
-    [[nodiscard]] std::uint32_t next_child(StreamRay& ray) const noexcept {
-        if constexpr (!kIsAny) {
-            constexpr std::uint32_t sign = 0x80000000U;  // a hit may be at -0
-            const std::uint32_t reach = (std::bit_cast<std::uint32_t>(ray.reach() * kBoxSlack) & ~sign) | (kWidth - 1);
-            const Int8 topmost = Int8::load(stacks_.entries() + ray.top - kWidth);
-            const std::uint32_t hidden = less(Int8::filled(reach), topmost).bits();
-            ray.top -= static_cast<std::uint32_t>(std::countl_one(hidden << (32 - kWidth)));
+            if (!visit_hits_one_by_one(block, of_block.inexact, HitRule(of_span), Test(of_span), ray.reach(), found))
+                return;
         }
-        ray.child = stacks_.children()[--ray.top];
-        return ray.child;
+        visit_accepted<Floats4>(block, StreamRayInAllLanes<Floats4>(ray), of_block, found);
+    }
+    /// Where on its stack is what the ray visits behind this leaf: of the topmost children the first that it reaches.
+    [[nodiscard]] std::uint32_t next_top(const StreamRay& ray) const noexcept {
+        if constexpr (kIsAny) return ray.top - 1;
+        constexpr std::uint32_t sign = 0x80000000U;  // a hit may be at -0
+        const std::uint32_t reach = (std::bit_cast<std::uint32_t>(ray.reach() * kBoxSlack) & ~sign) | (kWidth - 1);
+        const Int8 topmost = Int8::load(stacks_.entries() + ray.top - kWidth);
+        const std::uint32_t hidden = less(Int8::filled(reach), topmost).bits();
+        return ray.top - 1 - static_cast<std::uint32_t>(std::countl_one(hidden << (32 - kWidth)));
     }
 
     const Wide8& tree_;
@@ -282,5 +322,9 @@ private:
     std::uint32_t ready_bits_ = 0;  // of those in ready_ which are still there
     std::array<StreamRay, kPacketRays> ready_;
     std::array<StreamRay, kUnderWay> under_way_;
-    Slots at_node_, at_leaf_, done_;
+    RayList at_node_, at_leaf_, done_;
+    Counts counts_;
+    std::array<MetChildren, kUnderWay> met_;
+    std::array<PairHits, kUnderWay / 2> tested_;
+    std::array<std::uint32_t, kUnderWay + 1> found_;
 };

@@ -9,8 +9,9 @@ struct StreamAxes {
 /// A ray under way, in two cache lines.
 struct alignas(64) StreamRay {
     alignas(16) std::array<float, 4> origin;   ///< Then t_min, at least 0.
-    alignas(16) std::array<float, 4> inverse;  ///< Of the direction; then up to where a box matters.
-    alignas(16) std::array<float, 4> factors;  ///< Of WatertightTest; then the ray's own t_max.
+    alignas(16) std::array<float, 4> inverse;  ///< Of the direction; then the ray's own t_max.
+    alignas(16) std::array<float, 4> sheared;  ///< The origin along axes.shear; then t_min, too.
+    alignas(16) std::array<float, 4> factors;  ///< Of WatertightTest; then up to where a box matters.
     StreamAxes axes;
     std::uint32_t child;   ///< What it visits next, see WideChild.
     std::uint32_t top;     ///< Of its stack: what it visits then stands below.
@@ -18,9 +19,9 @@ struct alignas(64) StreamRay {
     Hit hit;
 
     [[nodiscard]] const float& t_min() const noexcept { return origin[3]; }
-    [[nodiscard]] float& reach() noexcept { return inverse[3]; }
-    [[nodiscard]] const float& reach() const noexcept { return inverse[3]; }
-    [[nodiscard]] const float& t_max() const noexcept { return factors[3]; }
+    [[nodiscard]] float& reach() noexcept { return factors[3]; }
+    [[nodiscard]] const float& reach() const noexcept { return factors[3]; }
+    [[nodiscard]] const float& t_max() const noexcept { return inverse[3]; }
 };
 
 /// Of each octant (bit i: the direction is negative along axis i), times three, and the largest component.
@@ -50,7 +51,6 @@ public:
     [[nodiscard]] Floats end() const noexcept { return Floats::filled(ray_.t_max()); }
     [[nodiscard]] Floats origin_of(unsigned axis) const noexcept { return Floats::filled(ray_.origin[axis]); }
     [[nodiscard]] Floats inverse_of(unsigned axis) const noexcept { return Floats::filled(ray_.inverse[axis]); }
-    [[nodiscard]] bool enters_high(unsigned axis) const noexcept { return std::signbit(ray_.inverse[axis]); }
 
 private:
     const StreamRay& ray_;
@@ -93,7 +93,13 @@ template <typename Floats8>
     const auto swaps = less(d_z, zero);
     const std::array<Floats8, 3> factors{select(swaps, d_last, d_next) / d_z, select(swaps, d_next, d_last) / d_z,
                                          by_largest(loaded.inverse[0], loaded.inverse[1], loaded.inverse[2])};
-    store_parts(loaded.origin, max(loaded.t_min, zero), &StreamRay::origin, rays);
+    const std::array<Floats8, 3>& o = loaded.origin;
+    const Floats8 o_next = by_largest(o[1], o[2], o[0]), o_last = by_largest(o[2], o[0], o[1]);
+    const std::array<Floats8, 3> sheared{select(swaps, o_last, o_next), select(swaps, o_next, o_last),
+                                         by_largest(o[0], o[1], o[2])};
+    const Floats8 t_min = max(loaded.t_min, zero);
+    store_parts(loaded.origin, t_min, &StreamRay::origin, rays);
+    store_parts(sheared, t_min, &StreamRay::sheared, rays);
     store_parts(loaded.inverse, loaded.t_max, &StreamRay::inverse, rays);
     store_parts(factors, loaded.t_max, &StreamRay::factors, rays);
     for (std::uint32_t i = 0; i < kPacketRays; ++i) {

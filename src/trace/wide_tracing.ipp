@@ -82,7 +82,6 @@ public:
     [[nodiscard]] Floats inverse_of(unsigned axis) const noexcept {
         return Floats::filled(rule_.slabs().inverse(axis));
     }
-    [[nodiscard]] bool enters_high(unsigned axis) const noexcept { return rule_.slabs().enters_high(axis); }
 
 private:
     const HitRule& rule_;
@@ -102,6 +101,23 @@ bool visit_hits_one_by_one(const TriangleBlock& block, std::uint32_t lanes, cons
     return true;
 }
 
+/// Calls found(hit) with the sure hits of a block's triangles that HitRule lets be hits, until it returns false. False
+/// where it did. `rays` has the ray in every lane.
+template <typename Floats4, typename Rays, typename Found>
+bool visit_accepted(const TriangleBlock& block, const Rays& rays, LaneHits<Floats4>& hits, const Found& found) {
+    hits.sure = accepted_hits(rays, BlockVertices<Floats4>{block}, hits.sure, hits.t);
+    if (hits.sure == 0) return true;
+    alignas(16) std::array<std::array<float, kBlockTriangles>, 3> values;
+    hits.t.store_aligned(values[0].data());
+    hits.u().store_aligned(values[1].data());
+    hits.v().store_aligned(values[2].data());
+    for (; hits.sure != 0; hits.sure &= hits.sure - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(hits.sure));
+        if (!found(Hit{values[0][lane], values[1][lane], values[2][lane], block.primitives[lane]})) return false;
+    }
+    return true;
+}
+
 /// The same for all triangles of the block at once. `lanes` and `rays` have the ray in every lane;
 /// visit_inexact(lanes) does the above for those which have to be looked at one by one.
 template <typename Floats4, typename Lanes, typename Rays, typename VisitInexact, typename Found>
@@ -111,17 +127,7 @@ bool visit_hits_of(const TriangleBlock& block, const Lanes& lanes, const Rays& r
     LaneHits<Floats4> hits = lanes.hits(vertices, Floats4::filled(t_max));
     if ((hits.sure | hits.inexact) == 0) return true;
     if (hits.inexact != 0 && !visit_inexact(hits.inexact)) return false;
-    hits.sure = accepted_hits(rays, vertices, hits.sure, hits.t);
-    if (hits.sure == 0) return true;
-    alignas(16) std::array<std::array<float, kBlockTriangles>, 3> values;
-    hits.t.store_aligned(values[0].data());
-    hits.u.store_aligned(values[1].data());
-    hits.v.store_aligned(values[2].data());
-    for (; hits.sure != 0; hits.sure &= hits.sure - 1) {
-        const auto lane = static_cast<std::uint32_t>(std::countr_zero(hits.sure));
-        if (!found(Hit{values[0][lane], values[1][lane], values[2][lane], block.primitives[lane]})) return false;
-    }
-    return true;
+    return visit_accepted<Floats4>(block, rays, hits, found);
 }
 
 /// What finds hits in leaves has of a ray.

@@ -29,7 +29,9 @@ namespace {
 #include "trace/packet_tracing.ipp"
 // What is written for AVX2 alone, in terms of all of these.
 #include "trace/stream_rays.ipp"
-// In terms of stream_rays.ipp too.
+// In terms of that, too.
+#include "trace/stream_blocks.ipp"
+// In terms of these too.
 #include "trace/ray_stream.ipp"
 
 }  // namespace

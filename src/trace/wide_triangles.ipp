@@ -6,7 +6,11 @@
 template <typename Floats>
 struct LaneHits {
     std::uint32_t sure = 0, inexact = 0;
-    Floats t, u, v;
+    Floats t;
+    Floats scaled_u, scaled_v, scale;
+
+    [[nodiscard]] Floats u() const noexcept { return scaled_u / scale; }
+    [[nodiscard]] Floats v() const noexcept { return scaled_v / scale; }
 };
 
 /// A coordinate of all triangles of a block, a triangle in each lane.
@@ -42,7 +46,6 @@ struct PacketRays {
     [[nodiscard]] Floats end() const noexcept { return t_max; }
     [[nodiscard]] Floats origin_of(unsigned axis) const noexcept { return origin[axis]; }
     [[nodiscard]] Floats inverse_of(unsigned axis) const noexcept { return inverse[axis]; }
-    [[nodiscard]] bool enters_high(unsigned axis) const noexcept { return is_negative[axis]; }
 };
 
 template <typename Floats>
@@ -81,9 +84,36 @@ public:
           factors_{rays.direction[x_] / rays.direction[z_], rays.direction[y_] / rays.direction[z_], rays.inverse[z_]},
           t_min_(rays.t_min) {}
 
+    /// Of rays that have axes of their own: `vertices` takes 0, 1 and 2 for those that become x, y and z.
+    WatertightLanes(const std::array<Floats, 3>& sheared_origin, const std::array<Floats, 3>& factors,
+                    Floats t_min) noexcept
+        : x_(0), y_(1), z_(2), origin_(sheared_origin), factors_(factors), t_min_(t_min) {}
+
     /// All sure ones are between the ray's beginning and t_max.
     template <typename Vertices>
     LaneHits<Floats> hits(const Vertices& vertices, Floats t_max) const noexcept {
+        const Edges edges = edges_of(vertices);
+        if (edges.inside == 0) return {0, 0, edges.u, edges.u, edges.u, edges.u};
+        return hits_of(edges, t_max);
+    }
+    /// The same without a branch.
+    template <typename Vertices>
+    CLBVH_ALWAYS_INLINE LaneHits<Floats> hits_straight(const Vertices& vertices, Floats t_max) const noexcept {
+        return hits_of(edges_of(vertices), t_max);
+    }
+
+private:
+    struct Sheared {
+        Floats x, y, z;
+    };
+    /// The edge functions, and the vertices' z.
+    struct Edges {
+        Floats u, v, w, a_z, b_z, c_z;
+        std::uint32_t inside;
+    };
+
+    template <typename Vertices>
+    [[nodiscard]] CLBVH_ALWAYS_INLINE Edges edges_of(const Vertices& vertices) const noexcept {
         const Sheared a = sheared(vertices, 0);
         const Sheared b = sheared(vertices, 1);
         const Sheared c = sheared(vertices, 2);
@@ -93,24 +123,21 @@ public:
         const Floats zero = Floats::filled(0.0f);
         // A NaN among them makes the determinant, and so t, NaN too.
         const std::uint32_t outside = less(min(min(u, v), w), zero).bits() & less(zero, max(max(u, v), w)).bits();
-        const std::uint32_t inside = ~outside & kAllLanes<Floats>;
-        if (inside == 0) return {0, 0, zero, zero, zero};
-        const std::uint32_t inexact = inside & (equal(u, zero) | equal(v, zero) | equal(w, zero)).bits();
-        const Floats determinant = (u + v) + w;
-        const Floats scaled_t = ((u * a.z) + (v * b.z)) + (w * c.z);
-        const Floats quotient = scaled_t / determinant;
-        const std::uint32_t in_range = less_equal(t_min_, quotient).bits() & less_equal(quotient, t_max).bits();
-        return {inside & ~inexact & in_range & ~equal(determinant, zero).bits(), inexact, quotient, v / determinant,
-                w / determinant};
+        return {u, v, w, a.z, b.z, c.z, ~outside & kAllLanes<Floats>};
     }
 
-private:
-    struct Sheared {
-        Floats x, y, z;
-    };
+    [[nodiscard]] CLBVH_ALWAYS_INLINE LaneHits<Floats> hits_of(const Edges& edges, Floats t_max) const noexcept {
+        const Floats u = edges.u, v = edges.v, w = edges.w, zero = Floats::filled(0.0f);
+        const std::uint32_t inexact = edges.inside & (equal(u, zero) | equal(v, zero) | equal(w, zero)).bits();
+        const Floats determinant = (u + v) + w;
+        const Floats scaled_t = ((u * edges.a_z) + (v * edges.b_z)) + (w * edges.c_z);
+        const Floats t = scaled_t / determinant;
+        const std::uint32_t in_range = less_equal(t_min_, t).bits() & less_equal(t, t_max).bits();
+        return {edges.inside & ~inexact & in_range & ~equal(determinant, zero).bits(), inexact, t, v, w, determinant};
+    }
 
     template <typename Vertices>
-    [[nodiscard]] Sheared sheared(const Vertices& vertices, std::size_t vertex) const noexcept {
+    [[nodiscard]] CLBVH_ALWAYS_INLINE Sheared sheared(const Vertices& vertices, std::size_t vertex) const noexcept {
         const Floats z = vertices(vertex, z_) - origin_[2];
         return {(vertices(vertex, x_) - origin_[0]) - factors_[0] * z,
                 (vertices(vertex, y_) - origin_[1]) - factors_[1] * z, factors_[2] * z};
@@ -133,25 +160,36 @@ public:
           direction_{rays.direction[0], rays.direction[1], rays.direction[2]},
           t_min_(rays.t_min) {}
 
+    MollerTrumboreLanes(const std::array<Floats, 3>& origin, const std::array<Floats, 3>& direction,
+                        Floats t_min) noexcept
+        : origin_{origin[0], origin[1], origin[2]},
+          direction_{direction[0], direction[1], direction[2]},
+          t_min_(t_min) {}
+
     /// All sure ones are between the ray's beginning and t_max.
     template <typename Vertices>
     LaneHits<Floats> hits(const Vertices& vertices, Floats t_max) const noexcept {
+        return hits_straight(vertices, t_max);
+    }
+    /// The same without a branch.
+    template <typename Vertices>
+    CLBVH_ALWAYS_INLINE LaneHits<Floats> hits_straight(const Vertices& vertices, Floats t_max) const noexcept {
         const Vector v0 = vertex(vertices, 0);
         const Vector edge1 = difference(vertex(vertices, 1), v0);
         const Vector edge2 = difference(vertex(vertices, 2), v0);
         const Vector p = cross(direction_, edge2);
         const Floats determinant = dot(edge1, p);
-        const Floats inverse = Floats::filled(1.0f) / determinant;
+        const Floats zero = Floats::filled(0.0f), one = Floats::filled(1.0f);
+        const Floats inverse = one / determinant;
         const Vector s = difference(origin_, v0);
         const Vector q = cross(s, edge1);
         const Floats u = dot(s, p) * inverse;
         const Floats v = dot(direction_, q) * inverse;
-        const Floats zero = Floats::filled(0.0f);
-        const std::uint32_t inside = less_equal(zero, u).bits() & less_equal(zero, v).bits() &
-                                     less_equal(u + v, Floats::filled(1.0f)).bits() & ~equal(determinant, zero).bits();
-        if (inside == 0) return {0, 0, zero, zero, zero};
-        const Floats product = dot(edge2, q) * inverse;
-        return {inside & less_equal(t_min_, product).bits() & less_equal(product, t_max).bits(), 0, product, u, v};
+        const Floats t = dot(edge2, q) * inverse;
+        const std::uint32_t sure = less_equal(zero, u).bits() & less_equal(zero, v).bits() &
+                                   less_equal(u + v, one).bits() & ~equal(determinant, zero).bits() &
+                                   less_equal(t_min_, t).bits() & less_equal(t, t_max).bits();
+        return {sure, 0, t, u, v, one};
     }
 
 private:
@@ -190,9 +228,9 @@ template <typename Floats, typename Rays, typename Vertices>
         const Floats origin = rays.origin_of(axis), inverse = rays.inverse_of(axis);
         const Floats lower = (min(min(a, b), c) - origin) * inverse;
         const Floats upper = (max(max(a, b), c) - origin) * inverse;
-        const bool enters_high = rays.enters_high(axis);
-        entry = max(enters_high ? upper : lower, entry);
-        exit = min(enters_high ? lower : upper, exit);
+        const auto enters_high = less(inverse, Floats::filled(0.0f));
+        entry = max(select(enters_high, upper, lower), entry);
+        exit = min(select(enters_high, lower, upper), exit);
     }
     const Floats slack = Floats::filled(kBoxSlack);
     const auto is_behind = less(t * slack, entry);

@@ -60,6 +60,11 @@ struct Float8 {
         const __m256 twos = _mm256_min_ps(fours, _mm256_permute_ps(fours, 0x4e));
         return {_mm256_min_ps(twos, _mm256_permute_ps(twos, 0xb1))};
     }
+    /// In each half, lane kLane of that half everywhere.
+    template <int kLane>
+    [[nodiscard]] CLBVH_ALWAYS_INLINE Float8 spread() const noexcept {
+        return {_mm256_permute_ps(lanes, kLane * 0b01010101)};
+    }
     [[nodiscard]] CLBVH_ALWAYS_INLINE Float8 with_negated_high_half() const noexcept {
         return {_mm256_xor_ps(lanes, _mm256_setr_ps(0.0f, 0.0f, 0.0f, 0.0f, -0.0f, -0.0f, -0.0f, -0.0f))};
     }
