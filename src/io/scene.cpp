@@ -1,16 +1,23 @@
 #include "clbvh/io/scene.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <filesystem>
+#include <iterator>
 #include <new>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "clbvh/core/error.hpp"
-#include "io/assimp_import.hpp"
 #include "io/input_file.hpp"
-#include "io/obj.hpp"
-#include "io/ply.hpp"
+#include "io/read/assimp_import.hpp"
+#include "io/read/gltf.hpp"
+#include "io/read/obj.hpp"
+#include "io/read/off.hpp"
+#include "io/read/ply.hpp"
+#include "io/read/stl.hpp"
 #include "io/scene_generator.hpp"
 
 namespace clbvh {
@@ -38,16 +45,44 @@ std::uint64_t parse_number(std::string_view text, const std::string& what, std::
                                               (large ? "too large" : "not a whole number"));
 }
 
-Mesh load_file(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) {
+std::string lower_case(std::string text) {
+    for (char& c : text) {
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     }
-    if (extension == ".obj") return io::load_obj(path);
-    if (extension == ".ply") return io::load_ply(path);
-    // A file that cannot be opened is reported as such, whatever its format.
-    (void)io::InputFile(path);
-    return io::load_with_assimp(path);
+    return text;
+}
+
+/// The readers of this library. Each takes a whole file.
+using Reader = void (*)(std::string_view text, const std::filesystem::path& path, io::MeshSink& sink);
+
+template <void (*Read)(std::string_view, io::MeshSink&)>
+constexpr Reader kAlone =
+    [](std::string_view text, const std::filesystem::path&, io::MeshSink& sink) { Read(text, sink); };
+
+void read_gltf_beside(std::string_view text, const std::filesystem::path& path, io::MeshSink& sink) {
+    io::read_gltf(text, path.parent_path(), sink);
+}
+
+constexpr std::pair<std::string_view, Reader> kReaders[] = {
+    {".obj", kAlone<io::read_obj>}, {".ply", kAlone<io::read_ply>}, {".stl", kAlone<io::read_stl>},
+    {".off", kAlone<io::read_off>}, {".gltf", read_gltf_beside},    {".glb", read_gltf_beside},
+};
+
+Mesh load_file(const std::filesystem::path& path, const LoadOptions& options) {
+    const std::string extension = lower_case(path.extension().string());
+    const auto* const reader =
+        std::ranges::find(kReaders, std::string_view(extension), &std::pair<std::string_view, Reader>::first);
+    std::string text;
+    if (reader != std::end(kReaders)) {
+        text = io::read_whole_file(path);
+    } else {
+        // A file that cannot be opened is reported as such, whatever its format.
+        (void)io::InputFile(path);
+    }
+    io::MeshSink sink(path.string(), text.size(), options.progress);
+    reader != std::end(kReaders) ? reader->second(text, path, sink) : io::read_with_assimp(path, sink);
+    if (options.report != nullptr) *options.report = sink.report;
+    return std::move(sink.mesh);
 }
 
 }  // namespace
@@ -78,10 +113,16 @@ GeneratedScene parse_generated_scene(std::string_view scene) {
     return generated;
 }
 
-Mesh load_scene(std::string_view scene) try {
-    if (!is_generated_scene(scene)) return load_file(scene);
+Mesh load_scene(std::string_view scene, const LoadOptions& options) try {
+    if (!is_generated_scene(scene)) return load_file(scene, options);
     const GeneratedScene generated = parse_generated_scene(scene);
-    return generate_scene(generated.name, generated.count.value_or(kDefaultSceneTriangles), generated.seed.value_or(1));
+    Mesh mesh =
+        generate_scene(generated.name, generated.count.value_or(kDefaultSceneTriangles), generated.seed.value_or(1));
+    if (options.report != nullptr) {
+        *options.report = {};
+        options.report->faces = mesh.triangles.size();
+    }
+    return mesh;
 } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::out_of_memory, std::string(scene) + ": not enough memory for the scene");
 }

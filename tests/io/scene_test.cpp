@@ -60,3 +60,25 @@ TEST_CASE("what is not a regular file is not read") {
     std::filesystem::create_symlink("/dev/zero", folder.path("endless.obj"));
     expect_scene_error(ErrorCode::io, folder.path("endless.obj").string(), {"not a regular file"});
 }
+
+TEST_CASE("loading can be cancelled, and says how far it is") {
+    const TempFolder folder;
+    std::string text = "OFF\n100000 0 0\n";
+    for (int i = 0; i < 100000; ++i)
+        text += "0.25 0.5 0.75\n";
+    const std::string path = folder.write("many.off", text);
+    std::vector<double> fractions;
+    (void)load_scene(path, {[&](const Progress& progress) {
+                                CHECK(progress.stage == "load");
+                                fractions.push_back(progress.fraction);
+                                return true;
+                            },
+                            nullptr});
+    REQUIRE(fractions.size() > 3);
+    CHECK(std::ranges::is_sorted(fractions));
+    CHECK(fractions.back() <= 1.0);
+    CHECK(fractions.back() > 0.8);
+    expect_error(ErrorCode::cancelled, {path}, [&] {
+        (void)load_scene(path, {[](const Progress&) { return false; }, nullptr});
+    });
+}

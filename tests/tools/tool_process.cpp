@@ -75,13 +75,13 @@ ToolProcess::~ToolProcess() {
     waitpid(pid_, nullptr, 0);
 }
 
-void ToolProcess::interrupt() const {
+void ToolProcess::interrupt(int signal) const {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!handles(pid_, SIGINT)) {
-        if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("the tool never handled SIGINT");
+    while (!handles(pid_, signal)) {
+        if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("the tool never handled the signal");
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    kill(pid_, SIGINT);
+    kill(pid_, signal);
 }
 
 Outcome ToolProcess::wait() {

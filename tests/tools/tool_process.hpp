@@ -1,5 +1,6 @@
 #pragma once
 
+#include <signal.h>
 #include <sys/types.h>
 
 #include <cstdio>
@@ -27,8 +28,8 @@ public:
     ToolProcess& operator=(const ToolProcess&) = delete;
     ~ToolProcess();
 
-    /// Sends Ctrl-C's signal as soon as the process handles it itself.
-    void interrupt() const;
+    /// Sends Ctrl-C's signal, or another that ends programs, as soon as the process handles it itself.
+    void interrupt(int signal = SIGINT) const;
     [[nodiscard]] Outcome wait();
 
 private:

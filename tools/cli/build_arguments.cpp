@@ -1,4 +1,5 @@
 #include "cli/build_arguments.hpp"
+#include "cli/complain.hpp"
 
 #include <fmt/format.h>
 
@@ -124,8 +125,8 @@ void BuildArguments::note_unread(std::span<const std::string> builders) const {
             return std::ranges::any_of(builders, [&](const auto& id) { return reads_option(id, row->name); });
         };
         if (std::ranges::any_of(rows, is_read)) continue;
-        fmt::print(stderr, "clbvh: note: {} changes nothing here, none of these builders reads it; see clbvh options\n",
-                   rows.front()->flag);
+        complain(fmt::format("note: {} changes nothing here, none of these builders reads it; see clbvh options",
+                             rows.front()->flag));
     }
 }
 

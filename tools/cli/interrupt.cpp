@@ -8,24 +8,29 @@
 namespace clbvh::tool {
 namespace {
 
-std::atomic<bool> interrupt_flag{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "the signal handler may touch nothing else");
+std::atomic<int> first_signal{0};
+static_assert(std::atomic<int>::is_always_lock_free, "the signal handler may touch nothing else");
 
-void set_interrupt_flag(int) {
-    interrupt_flag.store(true, std::memory_order_relaxed);
+void note_signal(int number) {
+    first_signal.store(number, std::memory_order_relaxed);
 }
 
 }  // namespace
 
 void catch_interrupts() {
     struct sigaction action {};
-    action.sa_handler = set_interrupt_flag;
+    action.sa_handler = note_signal;
     action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
-    sigaction(SIGINT, &action, nullptr);
+    for (const int number : {SIGINT, SIGTERM})
+        sigaction(number, &action, nullptr);
 }
 
 bool interrupted() noexcept {
-    return interrupt_flag.load(std::memory_order_relaxed);
+    return interrupting_signal() != 0;
+}
+
+int interrupting_signal() noexcept {
+    return first_signal.load(std::memory_order_relaxed);
 }
 
 void throw_if_interrupted() {

@@ -1,7 +1,6 @@
 #include "cli/output_file.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <clbvh/core/error.hpp>
@@ -9,6 +8,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <random>
 #include <string>
 #include <system_error>
 
@@ -27,10 +27,10 @@ using File = std::unique_ptr<std::FILE, Close>;
                 fmt::format("cannot write '{}': {}", path.string(), std::generic_category().message(reason)));
 }
 
+/// Beside the file, in a name that nobody else can know before, and that is short however long the file's is.
 fs::path temporary_name(const fs::path& path) {
-    fs::path temporary = path;
-    temporary += fmt::format(".tmp-{}", getpid());
-    return temporary;
+    std::random_device random;
+    return path.parent_path() / fmt::format(".clbvh-{:08x}{:08x}.tmp", random(), random());
 }
 
 void write_to_stream(std::ostream& stream, std::string_view text, const std::string& name) {
@@ -44,7 +44,7 @@ bool is_special(const std::string& target) {
 }
 
 File open_for_writing(const fs::path& temporary, const fs::path& path) {
-    File file(std::fopen(temporary.c_str(), "wb"));
+    File file(std::fopen(temporary.c_str(), "wbx"));
     if (!file) fail(path, errno);
     return file;
 }
@@ -52,8 +52,9 @@ File open_for_writing(const fs::path& temporary, const fs::path& path) {
 }  // namespace
 
 void require_writable(const fs::path& path) {
-    std::error_code ignored;
-    const fs::file_status status = fs::status(path, ignored);
+    std::error_code error, ignored;
+    const fs::file_status status = fs::status(path, error);
+    if (error == std::errc::filename_too_long) fail(path, error.value());
     if (fs::exists(status) && !fs::is_regular_file(status)) {
         throw Error(ErrorCode::io,
                     fmt::format("cannot write '{}': it exists and is not a regular file", path.string()));

@@ -30,7 +30,9 @@ void ProgressBar::show_now(double fraction, std::string_view label) {
     next_draw_ = std::chrono::steady_clock::now() + kDrawInterval;
     const double part = std::clamp(fraction, 0.0, 1.0);
     const auto filled = static_cast<std::size_t>(part * static_cast<double>(kWidth));
-    fmt::print(stderr, "\r[{:#>{}}{:.>{}}] {:3.0f}% {}\x1b[K", "", filled, "", kWidth - filled, part * 100.0, label);
+    const std::string line =
+        fmt::format("\r[{:#>{}}{:.>{}}] {:3.0f}% {}\x1b[K", "", filled, "", kWidth - filled, part * 100.0, label);
+    std::fputs(line.c_str(), stderr);  // a terminal may be gone
     std::fflush(stderr);
     visible_ = true;
 }

@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <clbvh/io/scene.hpp>
 #include <cmath>
 #include <utility>
+
+#include "cli/load.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -36,7 +37,7 @@ std::optional<Rotation> SceneArguments::rotation() const {
 }
 
 Mesh SceneArguments::load(const std::string& scene) const {
-    Mesh mesh = load_scene(scene);
+    Mesh mesh = load_cancellably(scene);
     const std::optional<Rotation> turn = rotation();
     return turn ? rotated(std::move(mesh), *turn) : mesh;
 }

@@ -16,6 +16,7 @@ Command add_devices_command(CLI::App& app);
 Command add_builders_command(CLI::App& app);
 Command add_options_command(CLI::App& app);
 Command add_scenes_command(CLI::App& app);
+Command add_info_command(CLI::App& app);
 Command add_build_command(CLI::App& app);
 Command add_dump_command(CLI::App& app);
 Command add_bench_command(CLI::App& app);

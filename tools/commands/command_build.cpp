@@ -12,6 +12,7 @@
 
 #include "cli/build_arguments.hpp"
 #include "cli/builder_choice.hpp"
+#include "cli/complain.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/json_output.hpp"
 #include "cli/layout_choice.hpp"
@@ -102,7 +103,7 @@ int build(const BuildCommandArguments& arguments) {
     const std::optional<Context>& context = choice.context;
     arguments.build.note_unread(choice.ids);
     if (arguments.layout.empty() && arguments.build.options.opening != BuildOptions().opening)
-        fmt::print(stderr, "clbvh: note: --opening changes nothing here without --layout\n");
+        complain("note: --opening changes nothing here without --layout");
     const Stopwatch load;
     const Mesh mesh = arguments.loading.load(arguments.scene);
     const double load_ms = load.milliseconds();

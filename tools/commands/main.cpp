@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "cli/complain.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/interrupt.hpp"
 #include "commands/command.hpp"
@@ -24,22 +25,23 @@ int run(const Command& command) {
     } catch (const std::exception& error) {
         // A Ctrl-C also reaches the compiler that a driver may have started, whose failure then looks like any other.
         if (interrupted()) {
-            fmt::print(stderr, "clbvh: cancelled\n");
-            return kExitCancelled;
+            complain("cancelled");
+            return kExitOnSignal + interrupting_signal();
         }
-        fmt::print(stderr, "clbvh: error: {}\n", error.what());
+        complain(fmt::format("error: {}", error.what()));
         return kExitFailure;
     }
 }
 
 int usage_error(std::string_view message) {
-    fmt::print(stderr, "clbvh: error: {}\nRun clbvh --help, or --help after a command.\n", message);
+    complain(fmt::format("error: {}\nRun clbvh --help, or --help after a command.", message));
     return kExitUsage;
 }
 
 std::vector<Command> add_commands(CLI::App& app) {
     std::vector<Command> commands{add_devices_command(app), add_builders_command(app), add_options_command(app),
-                                  add_scenes_command(app),  add_build_command(app),    add_bench_command(app)};
+                                  add_scenes_command(app),  add_info_command(app),     add_build_command(app),
+                                  add_bench_command(app)};
 #if !defined(CLBVH_NO_OPENCL)
     commands.push_back(add_tune_command(app));  // which is about devices alone
 #endif
@@ -73,8 +75,8 @@ int finish_standard_output(int code) {
     const int reason = errno;
     // Where the command failed, it has said why.
     if ((flushed && std::ferror(stdout) == 0) || code == kExitFailure) return code;
-    fmt::print(stderr, "clbvh: error: cannot write standard output{}{}\n", flushed ? "" : ": ",
-               flushed ? "" : std::generic_category().message(reason));
+    complain(fmt::format("error: cannot write standard output{}{}", flushed ? "" : ": ",
+                         flushed ? "" : std::generic_category().message(reason)));
     return code == kExitSuccess ? kExitFailure : code;
 }
 

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "cli/complain.hpp"
 #include "cli/exit_code.hpp"
 
 namespace clbvh::tool {
@@ -108,8 +109,8 @@ int report_invalid_trees(std::span<const BuildResult> results) {
     int code = kExitSuccess;
     for (const BuildResult& result : results) {
         if (result.valid.value_or(true)) continue;
-        fmt::print(stderr, "clbvh: the tree of {} over {} is not valid: {}\n", result.builder, result.scene,
-                   result.validation_error);
+        complain(fmt::format("the tree of {} over {} is not valid: {}", result.builder, result.scene,
+                             result.validation_error));
         if (!result.is_peer) code = kExitInvalidTree;
     }
     return code;

@@ -4,12 +4,12 @@
 #include <clbvh/builder.hpp>
 #include <clbvh/core/error.hpp>
 #include <clbvh/eval/rotation.hpp>
-#include <clbvh/io/scene.hpp>
 #include <clbvh/trace/tracer.hpp>
 #include <optional>
 #include <utility>
 
 #include "cli/interrupt.hpp"
+#include "cli/load.hpp"
 
 namespace clbvh::tool {
 namespace {
@@ -59,7 +59,7 @@ Camera ViewArguments::camera(const Mesh& unturned, std::uint32_t thread_count) c
 
 ViewedScene load_viewed(const std::string& scene, const SceneArguments& loading, const ViewArguments& view,
                         std::uint32_t thread_count) {
-    Mesh mesh = load_scene(scene);
+    Mesh mesh = load_cancellably(scene);
     const Camera camera = view.camera(mesh, thread_count);
     const std::optional<Rotation> rotation = loading.rotation();
     if (!rotation) return {std::move(mesh), camera, camera};

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 
+#include "cli/complain.hpp"
 #include "cli/exit_code.hpp"
 #include "measure/build_result.hpp"
 #include "report/column_table.hpp"
@@ -91,9 +92,9 @@ int report_mismatches(std::span<const TraceResult> results) {
     int code = kExitSuccess;
     for (const TraceResult& result : results) {
         if (result.cost.mismatches == 0) continue;
-        fmt::print(stderr, "clbvh: {} of {} {} rays hit something else with the tree of {} over {}, traced on {}\n",
-                   result.cost.mismatches, result.cost.ray_count, to_string(result.rays), result.builder, result.scene,
-                   result.traced_on);
+        complain(fmt::format("{} of {} {} rays hit something else with the tree of {} over {}, traced on {}",
+                             result.cost.mismatches, result.cost.ray_count, to_string(result.rays), result.builder,
+                             result.scene, result.traced_on));
         code = kExitInvalidTree;
     }
     return code;

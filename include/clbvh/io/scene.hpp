@@ -7,17 +7,37 @@
 #include <string>
 #include <string_view>
 
+#include "clbvh/core/build_stats.hpp"
 #include "clbvh/core/mesh.hpp"
 #include "clbvh/export.h"
 
 namespace clbvh {
 
-/// Loads a mesh from `scene`: a generated scene "gen:NAME[:COUNT[:SEED]]", where NAME may be
-/// NAME:PARAMETER for generators that have one, or a path to an OBJ or PLY file, or, where
-/// the library was configured with assimp, to glTF, GLB, STL and whatever else assimp reads. Throws Error(io) naming
-/// the file, and the line where a line is at fault; Error(invalid_input) for an unknown generator, a malformed count or
-/// seed; Error(unsupported) for a format that this build cannot read, saying what would.
-[[nodiscard]] CLBVH_IO_API Mesh load_scene(std::string_view scene);
+/// What loading a scene found beside the mesh.
+struct LoadReport {
+    std::uint64_t meshes = 1;  ///< Meshes of a glTF file that are shown, solids of an STL file, objects of an OBJ file.
+    std::uint64_t instances = 1;         ///< Places where they stand. All are in the mesh, one behind the other.
+    std::uint64_t faces = 0;             ///< Polygons and triangles, those that are skipped included.
+    std::uint64_t skipped_faces = 0;     ///< Faces of fewer than three corners.
+    std::uint64_t points_and_lines = 0;  ///< Elements that are no faces, and are skipped.
+    /// Polygons that became a fan, in part or whole, which may overlap itself: because they intersect themselves, hold
+    /// a NaN, or took too much work.
+    std::uint64_t overlapping_fans = 0;
+};
+
+/// How a scene is loaded.
+struct LoadOptions {
+    ProgressCallback progress;      ///< Called now and then, with stage "load"; false throws Error(cancelled).
+    LoadReport* report = nullptr;  ///< Where the report goes; null: nowhere.
+};
+
+/// Loads a mesh from `scene`: a generated scene "gen:NAME[:COUNT[:SEED]]", where NAME may be NAME:PARAMETER for
+/// generators that have one, or a path to an OBJ, PLY, STL, OFF, glTF or GLB file, or, where the library was configured
+/// with assimp, to whatever else assimp reads. Polygons are cut into triangles; faces of fewer than three corners are
+/// skipped. Throws Error(io) naming the file and the line, byte or element at fault; Error(invalid_input) for an
+/// unknown generator, a malformed count or seed; Error(unsupported) for a format, or an extension of glTF, that this
+/// build cannot read; Error(cancelled).
+[[nodiscard]] CLBVH_IO_API Mesh load_scene(std::string_view scene, const LoadOptions& options = {});
 
 /// What a generator may be told beside count and seed.
 struct SceneParameter {

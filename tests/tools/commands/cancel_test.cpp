@@ -6,6 +6,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -65,6 +66,29 @@ TEST_CASE("Ctrl-C ends a build without a trace") {
     tool.interrupt();
     expect_cancelled(tool.wait());
     CHECK(folder.file_count() == 0);
+}
+
+TEST_CASE("SIGTERM ends a build as Ctrl-C does, with an exit code of its own") {
+    const ScratchFolder folder;
+    ToolProcess tool({"build", "gen:soup:500000", "-o", folder.path("tree.bvh"), "--json", folder.path("tree.json")});
+    tool.interrupt(SIGTERM);
+    const Outcome outcome = tool.wait();
+    CHECK(outcome.exit_code == 143);
+    CHECK(outcome.err == "clbvh: cancelled\n");
+    CHECK(folder.file_count() == 0);
+}
+
+TEST_CASE("Ctrl-C ends the loading of a file") {
+    const ScratchFolder folder;
+    {
+        std::ofstream file(folder.path("many.off"));
+        file << "OFF\n3000000 0 0\n";
+        for (int i = 0; i < 3000000; ++i)
+            file << "0.25 0.5 0.75\n";
+    }
+    ToolProcess tool({"info", folder.path("many.off")});
+    tool.interrupt();
+    expect_cancelled(tool.wait());
 }
 
 TEST_CASE("Ctrl-C ends a benchmark without a trace") {

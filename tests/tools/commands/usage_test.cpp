@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/scratch_folder.hpp"
 #include "tools/tool_process.hpp"
 
 using namespace clbvh;
@@ -34,7 +35,7 @@ TEST_CASE("help names every command, and of each command every option") {
     CHECK(outcome.exit_code == 0);
     CHECK(outcome.err.empty());
     for (const char* command :
-         {"devices", "builders", "scenes", "build", "bench", "tune", "trace", "metrics", "table", "dump"}) {
+         {"devices", "builders", "scenes", "info", "build", "bench", "tune", "trace", "metrics", "table", "dump"}) {
         CHECK_THAT(outcome.out, Contains(command));
         const Outcome help = run_tool({command, "--help"});
         CHECK(help.exit_code == 0);
@@ -54,6 +55,15 @@ TEST_CASE("help names every command, and of each command every option") {
     CHECK_THAT(run_tool({"bench", "--help"}).out, Contains("--builders") && Contains("--runs") && Contains("--peers") &&
                                                       Contains("--stages") && Contains("--sweep NAME") &&
                                                       Contains("--sweep-to"));
+}
+
+TEST_CASE("exit codes are right where nobody can read an error") {
+    const int full = open("/dev/full", O_WRONLY);
+    REQUIRE(full >= 0);
+    CHECK(ToolProcess({"build", missing_path("nosuch.obj")}, {}, full).wait().exit_code == 1);
+    CHECK(ToolProcess({"build"}, {}, full).wait().exit_code == 2);
+    CHECK(ToolProcess({"scenes"}, {}, full, full).wait().exit_code == 1);
+    close(full);
 }
 
 TEST_CASE("the version is the project's") {

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,7 +50,8 @@ struct PlyHeader {
     std::size_t body = 0;              ///< Where the first element's data begins.
 };
 
-/// Parses the header at the front of a PLY file. Throws Error(io) with the file and the header's line.
-[[nodiscard]] PlyHeader parse_ply_header(std::string_view file, const std::filesystem::path& path);
+/// Parses the header at the front of a PLY file. Comments may stand anywhere behind the first line. Throws Error(io)
+/// with the name and the header's line.
+[[nodiscard]] PlyHeader parse_ply_header(std::string_view file, const std::string& name);
 
 }  // namespace clbvh::io

@@ -1,13 +1,15 @@
-#include "io/ply_header.hpp"
+#include "io/read/ply_header.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <optional>
 #include <system_error>
+#include <unordered_set>
 #include <utility>
 
 #include "clbvh/core/error.hpp"
+#include "io/read/words.hpp"
 
 namespace clbvh::io {
 namespace {
@@ -45,25 +47,25 @@ std::optional<PlyType> type_from(std::string_view name) {
 
 std::vector<std::string_view> split_words(std::string_view line) {
     std::vector<std::string_view> words;
-    while (true) {
-        line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-        if (line.empty()) return words;
-        const std::size_t length = std::min(line.find_first_of(" \t"), line.size());
-        words.push_back(line.substr(0, length));
-        line.remove_prefix(length);
-    }
+    for (std::string_view word = take_word(line); !word.empty(); word = take_word(line))
+        words.push_back(word);
+    return words;
 }
 
 class HeaderParser {
 public:
-    HeaderParser(std::string_view file, const std::filesystem::path& path) : file_(file), path_(path) {}
+    HeaderParser(std::string_view file, const std::string& name) : file_(file), name_(name) {
+        position_ = file.size() - without_byte_order_mark(file).size();
+    }
 
     PlyHeader parse() {
-        if (!file_.starts_with("ply") || take_line() != "ply") fail("not a PLY file: the first line is not \"ply\"");
-        parse_format(split_words(take_line()));
-        for (std::string_view line = take_line(); line != "end_header"; line = take_line()) {
-            parse_declaration(split_words(line));
-        }
+        const std::string_view first = file_.substr(position_, file_.find('\n', position_) - position_);
+        if (!first.starts_with("ply")) fail_at(1, "not a PLY file: the first line is not \"ply\"");
+        if (!is_word(split_words(take_line()), "ply")) fail("not a PLY file: the first line is not \"ply\"");
+        std::vector<std::string_view> words = take_words();
+        parse_format(words);
+        for (words = take_words(); !is_word(words, "end_header"); words = take_words())
+            parse_declaration(words);
         for (const PlyElement& element : header_.elements) {
             if (element.properties.empty()) fail("element \"" + element.name + "\" has no property");
         }
@@ -72,8 +74,19 @@ public:
     }
 
 private:
+    static bool is_word(const std::vector<std::string_view>& words, std::string_view word) {
+        return words.size() == 1 && words[0] == word;
+    }
+    /// Those of the next line that is no comment.
+    std::vector<std::string_view> take_words() {
+        while (true) {
+            std::vector<std::string_view> words = split_words(take_line());
+            if (words.empty() || (words[0] != "comment" && words[0] != "obj_info")) return words;
+        }
+    }
+
     std::string_view take_line() {
-        if (position_ > 0) ++line_number_;
+        ++line_number_;
         const std::size_t end = file_.find('\n', position_);
         if (end == std::string_view::npos) fail("the header has no end");
         std::string_view line = file_.substr(position_, end - position_);
@@ -85,28 +98,25 @@ private:
     void parse_format(const std::vector<std::string_view>& words) {
         if (words.size() != 3 || words[0] != "format") fail("expected \"format NAME 1.0\"");
         const std::optional<PlyFormat> format = format_from(words[1]);
-        if (!format || words[2] != "1.0") fail("unknown format " + quoted(words[1]) + " " + quoted(words[2]));
+        if (!format || words[2] != "1.0") fail("unknown format " + quote(words[1]) + " " + quote(words[2]));
         header_.format = *format;
     }
 
     void parse_declaration(const std::vector<std::string_view>& words) {
         const std::string_view keyword = words.empty() ? std::string_view{} : words[0];
-        if (keyword == "comment" || keyword == "obj_info") return;
         if (keyword == "element") return parse_element(words);
         if (keyword == "property") return parse_property(words);
-        fail("unknown keyword " + quoted(keyword));
+        fail("unknown keyword " + quote(keyword));
     }
 
     void parse_element(const std::vector<std::string_view>& words) {
         if (words.size() != 3) fail("expected \"element NAME COUNT\"");
-        if (std::ranges::find(header_.elements, words[1], &PlyElement::name) != header_.elements.end()) {
-            fail("a second element " + quoted(words[1]));
-        }
+        if (!names_.insert(words[1]).second) fail("a second element " + quote(words[1]));
         PlyElement& element = header_.elements.emplace_back();
         element.name = words[1];
         const std::string_view count = words[2];
         const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
-        if (error != std::errc{} || end != count.data() + count.size()) fail(quoted(count) + " is not a count");
+        if (error != std::errc{} || end != count.data() + count.size()) fail(quote(count) + " is not a count");
     }
 
     void parse_property(const std::vector<std::string_view>& words) {
@@ -125,27 +135,27 @@ private:
 
     [[nodiscard]] PlyType parse_type(std::string_view name) const {
         const std::optional<PlyType> type = type_from(name);
-        if (!type) fail("unknown type " + quoted(name));
+        if (!type) fail("unknown type " + quote(name));
         return *type;
     }
 
-    static std::string quoted(std::string_view word) { return '"' + std::string(word.substr(0, 40)) + '"'; }
-
-    [[noreturn]] void fail(const std::string& what) const {
-        throw Error(ErrorCode::io, path_.string() + ", line " + std::to_string(line_number_) + ": " + what);
+    [[noreturn]] void fail(const std::string& what) const { fail_at(line_number_, what); }
+    [[noreturn]] void fail_at(std::uint64_t line, const std::string& what) const {
+        throw Error(ErrorCode::io, name_ + ", line " + std::to_string(line) + ": " + what);
     }
 
     std::string_view file_;
-    const std::filesystem::path& path_;
+    const std::string& name_;
+    std::unordered_set<std::string_view> names_;
     std::size_t position_ = 0;
-    std::uint64_t line_number_ = 1;
+    std::uint64_t line_number_ = 0;
     PlyHeader header_;
 };
 
 }  // namespace
 
-PlyHeader parse_ply_header(std::string_view file, const std::filesystem::path& path) {
-    return HeaderParser(file, path).parse();
+PlyHeader parse_ply_header(std::string_view file, const std::string& name) {
+    return HeaderParser(file, name).parse();
 }
 
 }  // namespace clbvh::io

@@ -173,9 +173,49 @@ TEST_CASE("PLY faces are checked") {
         expect_io_error(plain_ply(format, kCorners, {{0, 1, 2}, {0, 1, 4}}),
                         {"face 1 (" + where, "vertex 4 does not exist"});
         expect_io_error(plain_ply(format, kCorners, {{0, -1, 2}}), {"face 0", where, "vertex -1 does not exist"});
-        expect_io_error(plain_ply(format, kCorners, {{0, 1}}), {"face 0", where, "three vertices, this one has 2"});
-        expect_io_error(plain_ply(format, kCorners, {{}, {0, 1, 2}}), {"face 0", "this one has 0"});
     }
+}
+
+TEST_CASE("PLY faces of fewer than three corners are skipped and counted") {
+    const TempFolder folder;
+    for (const std::string& format : kFormats) {
+        LoadReport report;
+        const std::string path =
+            folder.write("few.ply", plain_ply(format, kCorners, {{}, {0, 1, 2}, {0, 1}, {3}, {0, 2, 3}}));
+        CHECK(load_scene(path, {{}, &report}).triangles == std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}});
+        CHECK(report.faces == 5);
+        CHECK(report.skipped_faces == 3);
+    }
+}
+
+TEST_CASE("PLY triangle strips are read, and -1 parts them") {
+    const std::string vertices = "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n";
+    const std::string corners = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n";
+    const std::string strips = "element tristrips 2\nproperty list int int vertex_indices\nend_header\n";
+    const std::string header = "ply\nformat ascii 1.0\n" + vertices + strips + corners;
+    // The third triangle of the first strip has a corner twice.
+    CHECK(load(header + "9 0 1 2 3 3 -1 2 3 4\n3 3 4 5\n").triangles ==
+          std::vector<Triangle>{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {3, 4, 5}});
+    expect_io_error(header + "3 0 1 -2\n3 0 1 2\n", {"tristrips 0 (line", "vertex -2"});
+}
+
+TEST_CASE("PLY files are read as other programs write them") {
+    const std::string text = plain_ply("ascii", kCorners, {{0, 1, 2}});
+    const std::vector<Triangle> expected{{0, 1, 2}};
+    CHECK(load("\xEF\xBB\xBF" + text).triangles == expected);
+    CHECK(load(with(text, "format", "comment by X\ncomment\nformat")).triangles == expected);
+    CHECK(load(with(text, "end_header", "end_header \t")).triangles == expected);
+    CHECK(load(with(text, "ply\n", "ply \n")).triangles == expected);
+    const std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    CHECK(load(header + "+0 0 0\n+1 0 -0\n1 +1e+0 1e-999\n3 0 +1 2\n").triangles == expected);
+    // Rows that are longer than the header says; an item that spans lines; all in one line.
+    const Mesh longer = load(header + "0 0 0 255 0\n1 0 0 255 0\n\n1 1 0 9\n3 0 1 2 0.5 0.5\n");
+    CHECK(longer.triangles == expected);
+    CHECK(longer.vertices == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
+    CHECK(load(header + "0 0\n0\n1 0 0\n1 1 0\n3 0\n1 2\n").triangles == expected);
+    CHECK(load(header + "0 0 0 1 0 0 1 1 0 3 0 1 2").triangles == expected);
 }
 
 TEST_CASE("a negative PLY list length is refused") {
@@ -219,7 +259,7 @@ TEST_CASE("PLY headers without the needed elements are refused") {
     const std::string text = plain_ply("binary_little_endian", kCorners, {{0, 1, 2}});
     expect_io_error(with(text, "property float y", "property float up"), {"no property \"y\""});
     expect_io_error(with(text, "element vertex", "element point"), {"no element \"vertex\""});
-    expect_io_error(with(text, "element face", "element strip"), {"no element \"face\""});
+    expect_io_error(with(text, "element face", "element strip"), {"no element \"face\" or \"tristrips\""});
     expect_io_error(with(text, "vertex_indices", "corners"), {"no list \"vertex_indices\""});
     expect_io_error(with(text, "uchar int vertex", "uchar float vertex"), {"no list \"vertex_indices\""});
     expect_io_error(

@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 
-#include "io/ply_header.hpp"
+#include "io/read/ply_header.hpp"
 
 namespace clbvh::io {
 
@@ -45,6 +43,10 @@ public:
     }
 
     [[nodiscard]] std::string where() const { return "byte " + std::to_string(position_); }
+    [[nodiscard]] std::size_t position() const noexcept { return position_; }
+
+    /// Nothing stands between items.
+    void end_item() {}
 
 private:
     template <typename T>
@@ -64,16 +66,16 @@ private:
 /// Takes the numbers of an ASCII PLY file's body one after the other.
 class TextPlyValues {
 public:
-    TextPlyValues(std::string_view file, std::size_t position) : file_(file), position_(position) {}
+    /// `is_by_lines`: each item begins a line, which may hold more than the item.
+    TextPlyValues(std::string_view file, std::size_t position, bool is_by_lines)
+        : file_(file), position_(position), is_by_lines_(is_by_lines) {}
 
     /// The next number; nothing where the file ends or something else stands there.
     std::optional<double> take(PlyType /*type*/) {
         position_ = std::min(file_.find_first_not_of(kSpace, position_), file_.size());
         const std::string_view digits = word();
-        double value = 0.0;
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
-        position_ += digits.size();
+        const std::optional<double> value = parse_number(digits);
+        if (value) position_ += digits.size();
         return value;
     }
 
@@ -93,6 +95,15 @@ public:
         return "line " + std::to_string(1 + std::ranges::count(before, '\n'));
     }
 
+    [[nodiscard]] std::size_t position() const noexcept { return position_; }
+
+    /// Skips what else stands in the line, where each item begins a line.
+    void end_item() {
+        if (is_by_lines_) position_ = std::min(file_.find_first_of("\r\n", position_), file_.size());
+    }
+    /// Whether nothing but space is left.
+    [[nodiscard]] bool at_end() const { return file_.find_first_not_of(kSpace, position_) == std::string_view::npos; }
+
 private:
     static constexpr std::string_view kSpace = " \t\r\n";
 
@@ -103,6 +114,7 @@ private:
 
     std::string_view file_;
     std::size_t position_;
+    bool is_by_lines_;
 };
 
 }  // namespace clbvh::io
