@@ -27,7 +27,7 @@ struct LoadReport {
 
 /// How a scene is loaded.
 struct LoadOptions {
-    ProgressCallback progress;      ///< Called now and then, with stage "load"; false throws Error(cancelled).
+    ProgressCallback progress;     ///< Called now and then, with stage "load"; false throws Error(cancelled).
     LoadReport* report = nullptr;  ///< Where the report goes; null: nowhere.
 };
 
