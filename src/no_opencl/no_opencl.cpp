@@ -19,7 +19,7 @@ namespace {
 
 }  // namespace
 
-std::vector<DeviceInfo> list_devices() {
+std::vector<DeviceInfo> list_devices(std::vector<PlatformFault>*) {
     return {};
 }
 

@@ -100,10 +100,19 @@ std::string self_test_lines(const std::vector<bool>& passed) {
     return text;
 }
 
+/// One line for each driver that fails.
+std::string fault_lines(const std::vector<PlatformFault>& faults) {
+    std::string text;
+    for (const PlatformFault& fault : faults)
+        text += fmt::format("{} is passed over: {}\n", fault.platform, fault.reason);
+    return text;
+}
+
 int print_devices(const DevicesArguments& arguments) {
     const JsonOutput& json = arguments.json;
     json.require_writable();
-    const std::vector<DeviceInfo> devices = list_devices();
+    std::vector<PlatformFault> faults;
+    const std::vector<DeviceInfo> devices = list_devices(&faults);
     // The library's message for "none at all" says what to install.
     if (devices.empty()) static_cast<void>(pick_device());
     const std::optional<std::size_t> default_index = default_device();
@@ -116,10 +125,13 @@ int print_devices(const DevicesArguments& arguments) {
         if (!passed.empty()) entries.back()["self_test_passed"] = static_cast<bool>(passed[device.index]);
     }
     if (json.leaves_standard_output()) {
-        fmt::print("{}{}{}", device_table(devices, default_index).text(), profile_lines(devices),
+        fmt::print("{}{}{}{}", device_table(devices, default_index).text(), fault_lines(faults), profile_lines(devices),
                    self_test_lines(passed));
     }
-    json.write({{"devices", entries}});
+    nlohmann::ordered_json failing = nlohmann::ordered_json::array();
+    for (const PlatformFault& fault : faults)
+        failing.push_back({{"platform", fault.platform}, {"reason", fault.reason}});
+    json.write({{"devices", entries}, {"failing_platforms", failing}});
     return std::ranges::find(passed, false) == passed.end() ? kExitSuccess : kExitFailure;
 }
 

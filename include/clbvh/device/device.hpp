@@ -42,15 +42,21 @@ struct DeviceInfo {
     void* id = nullptr;          ///< The cl_device_id.
 };
 
+/// A driver that does not say what devices it has, or nothing of one of them.
+struct PlatformFault {
+    std::string platform;  ///< Its name; its number in the loader's order where it has none.
+    std::string reason;    ///< What failed, and the error of OpenCL.
+};
+
 /// All devices of all platforms, in the loader's order. Empty where there is none, or the library was built without
-/// OpenCL; throws Error(device_failure) only where a driver breaks.
-[[nodiscard]] CLBVH_API std::vector<DeviceInfo> list_devices();
+/// OpenCL. A driver that fails is passed over, and told of in `faults` where that is given, so that it hides no other.
+[[nodiscard]] CLBVH_API std::vector<DeviceInfo> list_devices(std::vector<PlatformFault>* faults = nullptr);
 
 /// Picks a device. `selector` is an index into list_devices(), a type ("gpu", "cpu", "accelerator"), or a part of a
 /// name (case ignored). Where it is empty the environment variable CLBVH_DEVICE stands in, and where that is empty too:
 /// the first GPU, else the first CPU, else the first device. Throws Error(no_device): none at all (the message says
-/// what to install) or none that fits (it lists what there is); Error(unsupported) where the library was built without
-/// OpenCL.
+/// what to install, and which drivers failed) or none that fits (it lists what there is); Error(unsupported) where the
+/// library was built without OpenCL.
 [[nodiscard]] CLBVH_API DeviceInfo pick_device(std::string_view selector = {});
 
 }  // namespace clbvh

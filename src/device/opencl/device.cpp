@@ -1,5 +1,7 @@
 #include "clbvh/device/device.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -52,6 +54,15 @@ std::vector<cl::Platform> list_platforms() {
     return platforms;
 }
 
+/// The platform's name; its number where it does not tell.
+std::string name_of(const cl::Platform& platform, std::size_t number) {
+    try {
+        return trimmed(platform.getInfo<CL_PLATFORM_NAME>());
+    } catch (const cl::Error&) {
+        return "platform " + std::to_string(number);
+    }
+}
+
 std::vector<cl::Device> devices_of(const cl::Platform& platform) {
     std::vector<cl::Device> devices;
     try {
@@ -85,6 +96,23 @@ bool matches(const DeviceInfo& info, std::string_view selector) {
         return to_string(info.type) == wanted;
     }
     return lower_case(info.name).find(wanted) != std::string::npos;
+}
+
+/// What to do where there is no device.
+std::string advice(const std::vector<PlatformFault>& faults) {
+    std::string text;
+    for (const PlatformFault& fault : faults)
+        text += fault.platform + " fails: " + fault.reason + "; ";
+    const char* const home = std::getenv("HOME");
+    // Among others PoCL keeps what it compiles there, and has no device where it cannot.
+    if (home == nullptr || access(home, W_OK) != 0) {
+        text += std::string("HOME, ") + (home == nullptr ? "which is not set" : home) +
+                ", cannot be written, without which some drivers offer nothing; ";
+    }
+    return text +
+           "install a driver: pocl-opencl-icd for the CPU (apt-get install pocl-opencl-icd), or your GPU vendor's "
+           "OpenCL "
+           "package; clinfo lists what the system sees";
 }
 
 DeviceInfo default_device(const std::vector<DeviceInfo>& devices) {
@@ -124,26 +152,36 @@ DeviceInfo describe_device(const cl::Device& device) {
 
 }  // namespace device
 
-std::vector<DeviceInfo> list_devices() {
+std::vector<DeviceInfo> list_devices(std::vector<PlatformFault>* faults) {
     std::vector<DeviceInfo> devices;
-    for (const cl::Platform& platform : list_platforms()) {
-        for (const cl::Device& device : devices_of(platform)) {
-            DeviceInfo info = device::describe_device(device);
-            info.index = devices.size();
-            devices.push_back(std::move(info));
+    const std::vector<cl::Platform> platforms = list_platforms();
+    for (std::size_t number = 0; number < platforms.size(); ++number) {
+        const auto pass_over = [&](const Error& error) {
+            if (faults != nullptr) faults->push_back({name_of(platforms[number], number), error.what()});
+        };
+        std::vector<cl::Device> found;
+        try {
+            found = devices_of(platforms[number]);
+        } catch (const Error& error) {
+            pass_over(error);
+        }
+        for (const cl::Device& device : found) {
+            try {
+                DeviceInfo info = device::describe_device(device);
+                info.index = devices.size();
+                devices.push_back(std::move(info));
+            } catch (const Error& error) {
+                pass_over(error);
+            }
         }
     }
     return devices;
 }
 
 DeviceInfo pick_device(std::string_view selector) {
-    const std::vector<DeviceInfo> devices = list_devices();
-    if (devices.empty()) {
-        throw Error(
-            ErrorCode::no_device,
-            "no OpenCL device found; install a driver: pocl-opencl-icd for the CPU (apt-get install pocl-opencl-icd), "
-            "or your GPU vendor's OpenCL package; clinfo lists what the system sees");
-    }
+    std::vector<PlatformFault> faults;
+    const std::vector<DeviceInfo> devices = list_devices(&faults);
+    if (devices.empty()) throw Error(ErrorCode::no_device, "no OpenCL device found; " + advice(faults));
     std::string_view source = "the device selector";
     if (const char* const variable = std::getenv("CLBVH_DEVICE"); selector.empty() && variable != nullptr) {
         selector = variable;
