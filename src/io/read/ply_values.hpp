@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "io/read/ply_header.hpp"
+#include "io/read/words.hpp"
 
 namespace clbvh::io {
 
