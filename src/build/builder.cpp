@@ -17,6 +17,7 @@
 #include "clbvh/device/context.hpp"
 #include "core/arena_size.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "metrics/surface_rays.hpp"
 
 namespace clbvh {
@@ -158,11 +159,11 @@ void Builder::State::upload(const Primitives& primitives) {
     uploaded = false;
     const auto* const mesh = std::get_if<MeshView>(&primitives);
     if (is_presplit() && mesh == nullptr) refuse_to_split_boxes(options);
-    inactive_primitives = arena.execute([&] { return check_primitives(primitives); });
+    inactive_primitives = execute_in(arena, [&] { return check_primitives(primitives); });
     primitive_count = count_of(primitives);
     uploaded_mesh.reset();
     if (is_presplit()) {
-        arena.execute([&] { presplit.run(*mesh, share_of_builder(options).begin); });
+        execute_in(arena, [&] { presplit.run(*mesh, share_of_builder(options).begin); });
         backend->upload({BoxView(presplit.boxes()), presplit.boxes().size(), presplit.triangles()});
     } else {
         backend->upload({primitives, primitive_count - inactive_primitives, {}});
@@ -186,7 +187,7 @@ BuildStats Builder::State::run() {
     if (is_presplit()) presplit.book(stats);
     if (is_finished_here()) {
         const FinishStage::Input input{primitive_count, presplit.sources(), is_presplit()};
-        arena.execute([&] { finish.run(*backend, input, share_of_builder(options).end, stats); });
+        execute_in(arena, [&] { finish.run(*backend, input, share_of_builder(options).end, stats); });
     }
     finished = true;
     if (options.ray_cost && uploaded_mesh) measure_rays(stats);
@@ -204,7 +205,7 @@ void Builder::State::with_tree(const std::function<void(const layout::TreeView&)
 void Builder::State::make_layout(const MeshView& mesh, Wide8& result, BuildStats& stats) {
     add_stage(stats, "wide8", [&] {
         with_tree([&](const layout::TreeView& tree) {
-            arena.execute([&] { converter.run(tree, mesh, result, options.opening); });
+            execute_in(arena, [&] { converter.run(tree, mesh, result, options.opening); });
         });
     });
 }
@@ -212,7 +213,7 @@ void Builder::State::make_layout(const MeshView& mesh, Wide8& result, BuildStats
 void Builder::State::measure_rays(BuildStats& stats) {
     add_stage(stats, "ray-cost", [&] {
         with_tree([&](const layout::TreeView& tree) {
-            stats.ray_cost = arena.execute([&] {
+            stats.ray_cost = execute_in(arena, [&] {
                 return trace_surface_rays(tree.nodes, tree.primitive_ids, *uploaded_mesh, kSurfaceRays, {}).cost;
             });
         });

@@ -3,6 +3,7 @@
 #include "build/backend.hpp"
 #include "catalog/device_configs.hpp"
 #include "catalog/device_optimizers.hpp"
+#include "core/own_group.hpp"
 #include "device/build/pipeline.hpp"
 #include "device/opencl/host_primitives.hpp"
 #include "device/opencl/session.hpp"
@@ -49,7 +50,7 @@ public:
             return device::run_pipeline(context_.session(), algorithm_, settings_, options_.progress, mesh_, memory_,
                                         optimizers_);
         };
-        return algorithm_.uses_host ? arena_.execute(build) : build();
+        return algorithm_.uses_host ? execute_in(arena_, build) : build();
     }
 
     void with_tree(const std::function<void(const layout::TreeView&)>& read) override {

@@ -1,6 +1,7 @@
 #include <tbb/task_arena.h>
 
 #include "build/backend.hpp"
+#include "core/own_group.hpp"
 #include "host/build/host_build.hpp"
 
 namespace clbvh {
@@ -16,8 +17,8 @@ public:
 
     BuildStats run() override {
         const host::BoundAlgorithm algorithm = [this](host::HostBuild& build) { algorithm_(build, options_); };
-        return arena_.execute(
-            [&] { return host::run_host_build(input_, algorithm, options_.progress, scratch_, result_); });
+        return execute_in(
+            arena_, [&] { return host::run_host_build(input_, algorithm, options_.progress, scratch_, result_); });
     }
 
     void with_tree(const std::function<void(const layout::TreeView&)>& read) override {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "clbvh/core/error.hpp"
+#include "core/own_group.hpp"
 #include "core/primitive_access.hpp"
 #include "core/primitive_limit.hpp"
 #include "core/view_form.hpp"
@@ -189,7 +190,7 @@ std::uint64_t check_mesh(const MeshView& mesh) {
     check_primitive_count(mesh.triangle_count, "triangles");
     check_form(mesh);
     const Findings findings = with_triangles(mesh, [](const auto& triangles) {
-        return has_only_numbers(triangles) ? Findings{} : scan(TriangleBoxes{triangles});
+        return in_own_group([&] { return has_only_numbers(triangles) ? Findings{} : scan(TriangleBoxes{triangles}); });
     });
     if (findings.first_offender != kNone) refuse_triangle(mesh, findings.first_offender);
     return findings.inactive;
@@ -198,7 +199,7 @@ std::uint64_t check_mesh(const MeshView& mesh) {
 std::uint64_t check_boxes(const BoxView& boxes) {
     check_primitive_count(boxes.count, "boxes");
     check_form(boxes);
-    const Findings findings = scan(PlainBoxes{boxes});
+    const Findings findings = in_own_group([&] { return scan(PlainBoxes{boxes}); });
     if (findings.first_offender != kNone) refuse_box(boxes, findings.first_offender);
     return findings.inactive;
 }

@@ -12,6 +12,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "core/coverage.hpp"
+#include "core/own_group.hpp"
 #include "core/primitive_access.hpp"
 #include "core/tree_walk.hpp"
 
@@ -198,7 +199,7 @@ private:
 }  // namespace
 
 ValidationReport validate(const Bvh& bvh, const Primitives& primitives) {
-    return Validator(bvh, primitives).run();
+    return in_own_group([&] { return Validator(bvh, primitives).run(); });
 }
 
 }  // namespace clbvh

@@ -14,6 +14,7 @@
 #include "clbvh/core/vector.hpp"
 #include "clbvh/eval/surface.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "core/random.hpp"
 
 namespace clbvh {
@@ -58,11 +59,13 @@ std::vector<SurfacePoint> surface_points(const MeshView& mesh, const ClosestHits
 std::vector<Ray> hemisphere_rays(std::span<const SurfacePoint> points, std::uint32_t rays_per_point, float t_max,
                                  std::uint64_t seed) {
     std::vector<Ray> rays(points.size() * rays_per_point);
-    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t p) {
-        for (std::size_t i = p * rays_per_point; i < (p + 1) * rays_per_point; ++i) {
-            Random random = Random::stream(seed, i);
-            rays[i] = {points[p].position, 0.0f, random_cosine_direction(points[p].normal, random), t_max};
-        }
+    in_own_group([&] {
+        tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t p) {
+            for (std::size_t i = p * rays_per_point; i < (p + 1) * rays_per_point; ++i) {
+                Random random = Random::stream(seed, i);
+                rays[i] = {points[p].position, 0.0f, random_cosine_direction(points[p].normal, random), t_max};
+            }
+        });
     });
     return rays;
 }
@@ -172,14 +175,16 @@ std::vector<Ray> primary_rays(const Camera& camera, std::uint32_t width, std::ui
     const auto lines = static_cast<float>(height);
     const CameraRays camera_rays(camera, columns / lines);
     std::vector<Ray> rays(std::size_t{width} * height);
-    tbb::parallel_for(std::uint32_t{0}, height, [&](std::uint32_t y) {
-        for (std::uint32_t x = 0; x < width; ++x) {
-            const std::size_t i = std::size_t{y} * width + x;
-            Random random = Random::stream(seed, i);
-            const float across = static_cast<float>(x) + random.unit();
-            const float down = static_cast<float>(y) + random.unit();
-            rays[i] = camera_rays.at(across / columns, down / lines);
-        }
+    in_own_group([&] {
+        tbb::parallel_for(std::uint32_t{0}, height, [&](std::uint32_t y) {
+            for (std::uint32_t x = 0; x < width; ++x) {
+                const std::size_t i = std::size_t{y} * width + x;
+                Random random = Random::stream(seed, i);
+                const float across = static_cast<float>(x) + random.unit();
+                const float down = static_cast<float>(y) + random.unit();
+                rays[i] = camera_rays.at(across / columns, down / lines);
+            }
+        });
     });
     return rays;
 }
@@ -231,9 +236,11 @@ std::vector<Ray> random_lines(const Aabb& bounds, std::uint64_t count, std::uint
     const LineSource source(bounds);
     if (source.empty()) return {};
     std::vector<Ray> rays(count);
-    tbb::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t i) {
-        Random random = Random::stream(seed, i);
-        rays[i] = source.line(random);
+    in_own_group([&] {
+        tbb::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t i) {
+            Random random = Random::stream(seed, i);
+            rays[i] = source.line(random);
+        });
     });
     return rays;
 }

@@ -1,4 +1,5 @@
 #include "clbvh/eval/rotation.hpp"
+#include "core/own_group.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -52,9 +53,11 @@ Vec3 Rotation::operator()(const Vec3& v) const noexcept {
 }
 
 Mesh rotated(Mesh mesh, const Rotation& rotation) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), 4096), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i)
-            mesh.vertices[i] = rotation(mesh.vertices[i]);
+    in_own_group([&] {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), 4096), [&](const auto& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i)
+                mesh.vertices[i] = rotation(mesh.vertices[i]);
+        });
     });
     return mesh;
 }

@@ -6,6 +6,7 @@
 #include "core/arena_size.hpp"
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 
 // What making any layout has around it.
 namespace clbvh::layout {
@@ -29,7 +30,7 @@ void make_in_arena(Layout& result, const LayoutOptions& options, const Work& wor
     with_memory_errors("the layout", [&] {
         make_or_empty(result, [&] {
             tbb::task_arena arena(arena_size(options.thread_count));
-            arena.execute(work);
+            execute_in(arena, work);
         });
     });
 }

@@ -9,6 +9,7 @@
 #include "core/arena_size.hpp"
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "core/primitive_access.hpp"
 
 namespace clbvh {
@@ -32,7 +33,7 @@ void make_padded_triangles(const MeshView& mesh, LayoutArray<PaddedTriangle>& re
     result.clear();
     with_memory_errors("the triangles", [&] {
         tbb::task_arena arena(arena_size(options.thread_count));
-        arena.execute([&] {
+        execute_in(arena, [&] {
             if (options.check) std::ignore = check_mesh(mesh);
             result.resize_for_overwrite(mesh.triangle_count);
             with_triangles(mesh, [&](const auto& triangles) { write(triangles, result.data()); });

@@ -11,6 +11,7 @@
 #include "core/arena_size.hpp"
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "core/primitive_access.hpp"
 
 // What the refit of any layout has around it.
@@ -32,7 +33,7 @@ void refit_in_arena(const Layout& layout, const Primitives& primitives, const La
     }
     with_memory_errors("refitting", [&] {
         tbb::task_arena arena(arena_size(options.thread_count));
-        arena.execute([&] {
+        execute_in(arena, [&] {
             if (options.check) static_cast<void>(check_primitives(primitives));
             work();
         });

@@ -10,6 +10,7 @@
 #include "clbvh/core/error.hpp"
 #include "core/box_overlap.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "metrics/check_costs.hpp"
 #include "metrics/leaf_order.hpp"
 #include "metrics/node_cost.hpp"
@@ -117,7 +118,8 @@ double end_point_overlap(const Bvh& bvh, const MeshView& mesh, const SahCosts& c
                          const ProgressCallback& progress) {
     check_costs(costs);
     static_cast<void>(check_mesh(mesh));
-    return with_memory_errors("end-point overlap", [&] { return overlap_of(bvh, mesh, costs, progress); });
+    return with_memory_errors("end-point overlap",
+                              [&] { return in_own_group([&] { return overlap_of(bvh, mesh, costs, progress); }); });
 }
 
 }  // namespace clbvh

@@ -10,6 +10,7 @@
 #include "clbvh/core/error.hpp"
 #include "clbvh/metrics/epo.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "core/random.hpp"
 #include "metrics/check_costs.hpp"
 #include "metrics/leaf_order.hpp"
@@ -131,7 +132,7 @@ Estimate end_point_overlap_sampled(const Bvh& bvh, const MeshView& mesh, std::ui
                                                   std::to_string(kMostEpoSamples));
     }
     static_cast<void>(check_mesh(mesh));
-    return with_memory_errors("end-point overlap", [&]() -> Estimate {
+    const auto estimate = [&]() -> Estimate {
         const Sampler sampler(bvh, mesh, costs);
         if (!sampler.has_surface()) return {};
         std::vector<Moments> parts((samples + kChunk - 1) / kChunk);
@@ -144,7 +145,8 @@ Estimate end_point_overlap_sampled(const Bvh& bvh, const MeshView& mesh, std::ui
             total.sum_of_squares += part.sum_of_squares;
         }
         return estimate_from(total, static_cast<double>(samples));
-    });
+    };
+    return with_memory_errors("end-point overlap", [&] { return in_own_group(estimate); });
 }
 
 }  // namespace clbvh

@@ -11,6 +11,7 @@
 
 #include "clbvh/core/error.hpp"
 #include "core/exact_areas.hpp"
+#include "core/own_group.hpp"
 #include "core/simd/prefetch.hpp"
 #include "core/tree_walk.hpp"
 #include "metrics/check_costs.hpp"
@@ -110,7 +111,8 @@ double sah_cost(const Bvh& bvh, const SahCosts& costs) {
     if (root.is_leaf()) return own_cost;
     const double root_area = exact_half_area(root);
     const bool is_flat = !(root_area > 0.0);
-    return own_cost + PairSums(bvh.nodes, costs, is_flat).of_tree() / (is_flat ? 1.0 : root_area);
+    const double sum = in_own_group([&] { return PairSums(bvh.nodes, costs, is_flat).of_tree(); });
+    return own_cost + sum / (is_flat ? 1.0 : root_area);
 }
 
 }  // namespace clbvh

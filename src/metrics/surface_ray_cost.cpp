@@ -16,6 +16,7 @@
 #include "clbvh/trace/traverse.hpp"
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "layout/check_tree.hpp"
 #include "metrics/check_costs.hpp"
 #include "metrics/surface_rays.hpp"
@@ -209,8 +210,10 @@ SurfaceRayCost surface_ray_cost(const Bvh& bvh, const MeshView& mesh, std::uint3
     check_range("ray_count", ray_count, 1, kMostSurfaceRays);
     static_cast<void>(check_mesh(mesh));
     return with_memory_errors("rays from surfaces", [&] {
-        layout::check_tree(bvh, mesh);
-        return trace_surface_rays(bvh.nodes, bvh.primitive_ids, mesh, ray_count, costs);
+        return in_own_group([&] {
+            layout::check_tree(bvh, mesh);
+            return trace_surface_rays(bvh.nodes, bvh.primitive_ids, mesh, ray_count, costs);
+        });
     });
 }
 

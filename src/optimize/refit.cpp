@@ -15,6 +15,7 @@
 #include "core/memory_errors.hpp"
 #include "core/merge_primitives.hpp"
 #include "core/negative_zero.hpp"
+#include "core/own_group.hpp"
 #include "core/simd/box4.hpp"
 #include "core/simd/prefetch.hpp"
 #include "metrics/check_costs.hpp"
@@ -211,7 +212,8 @@ RefitStats Refitter::State::run(Pass<Reader> pass) {
 }
 
 Refitter::Refitter(const Bvh& tree)
-    : state_(with_memory_errors("a refitter", [&] { return std::make_unique<State>(tree); })) {}
+    : state_(with_memory_errors("a refitter",
+                                [&] { return in_own_group([&] { return std::make_unique<State>(tree); }); })) {}
 Refitter::Refitter(Refitter&&) noexcept = default;
 Refitter& Refitter::operator=(Refitter&&) noexcept = default;
 Refitter::~Refitter() = default;
@@ -226,7 +228,9 @@ RefitStats Refitter::refit(Bvh& tree, const Primitives& primitives, const SahCos
         }
         optimizer::check_same_primitives(tree, primitives);
         if (tree.empty()) return RefitStats{};
-        return with_merging(primitives, [&](const auto& reader) { return state_->run(Pass(tree, reader, costs)); });
+        return in_own_group([&] {
+            return with_merging(primitives, [&](const auto& reader) { return state_->run(Pass(tree, reader, costs)); });
+        });
     });
 }
 

@@ -5,6 +5,7 @@
 #include "clbvh/core/bvh.hpp"
 #include "clbvh/optimize/budget.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "optimize/pass_clock.hpp"
 
 namespace clbvh::optimizer {
@@ -16,7 +17,8 @@ template <typename Optimize>
                                 const Optimize& optimize) {
     check_budget(budget);
     OptimizeStats done;
-    if (!tree.empty() && !tree.nodes[0].is_leaf()) done = with_memory_errors(what, [&] { return optimize(tree); });
+    if (!tree.empty() && !tree.nodes[0].is_leaf())
+        done = with_memory_errors(what, [&] { return in_own_group([&] { return optimize(tree); }); });
     if (stats != nullptr) *stats = done;
     return tree;
 }

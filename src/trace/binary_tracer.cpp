@@ -12,6 +12,7 @@
 #include "core/check_field.hpp"
 #include "core/check_length.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "layout/check_tree.hpp"
 #include "trace/leaf_triangles.hpp"
 #include "trace/ray_tasks.hpp"
@@ -23,9 +24,9 @@ struct CLBVH_NO_EXPORT BinaryTracer::State {
     State(const Bvh& bvh, const MeshView& mesh, const TracerOptions& options)
         : triangle_test(options.triangle_test),
           arena(arena_size_for(options)),
-          depth(arena.execute([&] { return layout::check_tree(bvh, mesh); })),
+          depth(execute_in(arena, [&] { return layout::check_tree(bvh, mesh); })),
           nodes(bvh.nodes),
-          triangles(arena.execute([&] { return copy_triangles(bvh, mesh); })) {}
+          triangles(execute_in(arena, [&] { return copy_triangles(bvh, mesh); })) {}
 
     /// Calls `leaf` for the leaves that the ray visits.
     template <typename Counts, typename Leaf>

@@ -9,6 +9,7 @@
 #include "clbvh/trace/tracer.hpp"
 #include "core/arena_size.hpp"
 #include "core/check_field.hpp"
+#include "core/own_group.hpp"
 
 namespace clbvh::trace {
 
@@ -24,7 +25,7 @@ inline constexpr std::size_t kRaysPerPiece = 1024;
 /// Calls `action` with the beginnings and ends of pieces of `count` rays, in parallel. Only the last one may be short.
 template <typename Action>
 void for_each_piece(tbb::task_arena& arena, std::size_t count, const Action& action) {
-    arena.execute([&] {
+    execute_in(arena, [&] {
         tbb::parallel_for(std::size_t{0}, (count + kRaysPerPiece - 1) / kRaysPerPiece, [&](std::size_t piece) {
             action(piece * kRaysPerPiece, std::min(count, (piece + 1) * kRaysPerPiece));
         });

@@ -11,6 +11,7 @@
 #include "catalog/device_configs.hpp"
 #include "clbvh/core/error.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "core/primitive_access.hpp"
 #include "device/api/caller_input.hpp"
 #include "device/api/caller_queue.hpp"
@@ -228,10 +229,12 @@ void BatchBuilder::State::upload(std::span<const MeshView> meshes, const Placeme
     const cl_map_flags discard = CL_MAP_WRITE_INVALIDATE_REGION;
     const Mapped to_vertices(queue, job.mesh.vertices.buffer, discard, placement.vertices * sizeof(Vec3));
     const Mapped to_triangles(queue, job.mesh.indices.buffer, discard, placement.triangles * sizeof(Triangle));
-    tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
-        const BatchRange& range = placement.ranges[i];
-        copy_vertices(meshes[i], to_vertices.as<Vec3>() + range.first_vertex);
-        copy_triangles(meshes[i], to_triangles.as<Triangle>() + range.first_primitive);
+    in_own_group([&] {
+        tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
+            const BatchRange& range = placement.ranges[i];
+            copy_vertices(meshes[i], to_vertices.as<Vec3>() + range.first_vertex);
+            copy_triangles(meshes[i], to_triangles.as<Triangle>() + range.first_primitive);
+        });
     });
     queue.enqueueWriteBuffer(job.ranges.buffer, CL_TRUE, 0, placement.ranges.size() * sizeof(BatchRange),
                              placement.ranges.data());
@@ -243,13 +246,15 @@ void BatchBuilder::State::download(const Placement& placement, const BatchPlan& 
     const Mapped from_nodes(queue, job.nodes.buffer, CL_MAP_READ, plan.nodes);
     const Mapped from_ids(queue, job.primitive_ids.buffer, CL_MAP_READ, plan.primitive_ids);
     const Mapped counts(queue, job.active_counts.buffer, CL_MAP_READ, plan.active_counts);
-    tbb::parallel_for(std::size_t{0}, trees.size(), [&](std::size_t i) {
-        const std::size_t first = placement.ranges[i].first_primitive;
-        const std::size_t count = counts.as<std::uint32_t>()[i];
-        const Node* const tree_nodes = from_nodes.as<Node>() + 2 * first;
-        const std::uint32_t* const ids = from_ids.as<std::uint32_t>() + first;
-        trees[i].nodes.assign(tree_nodes, tree_nodes + 2 * count);
-        trees[i].primitive_ids.assign(ids, ids + count);
+    in_own_group([&] {
+        tbb::parallel_for(std::size_t{0}, trees.size(), [&](std::size_t i) {
+            const std::size_t first = placement.ranges[i].first_primitive;
+            const std::size_t count = counts.as<std::uint32_t>()[i];
+            const Node* const tree_nodes = from_nodes.as<Node>() + 2 * first;
+            const std::uint32_t* const ids = from_ids.as<std::uint32_t>() + first;
+            trees[i].nodes.assign(tree_nodes, tree_nodes + 2 * count);
+            trees[i].primitive_ids.assign(ids, ids + count);
+        });
     });
 }
 

@@ -1,4 +1,5 @@
 #include "device/opencl/session.hpp"
+#include "core/own_group.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -127,7 +128,7 @@ void Session::prepare(std::initializer_list<std::span<const ProgramSpec>> groups
         for (std::size_t i = 0; i < batches.size(); ++i)
             build(i);
     } else {
-        tbb::parallel_for(std::size_t{0}, batches.size(), build);
+        in_own_group([&] { tbb::parallel_for(std::size_t{0}, batches.size(), build); });
     }
     program_count_ += built.size();
     for (std::size_t i = 0; i < batches.size(); ++i) {

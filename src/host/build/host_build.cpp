@@ -1,6 +1,7 @@
 #include "host/build/host_build.hpp"
 
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "core/simd/dispatch.hpp"
 #include "host/build/primitive_bounds.hpp"
 
@@ -52,7 +53,9 @@ Bvh build_over(const Primitives& primitives, const BoundAlgorithm& algorithm) {
 
 void build_over(const Primitives& primitives, const BoundAlgorithm& algorithm, Scratch& scratch, Bvh& result) {
     const std::uint64_t inactive = check_primitives(primitives);
-    run_host_build({primitives, count_of(primitives) - inactive, {}}, algorithm, {}, scratch, result);
+    in_own_group([&] {
+        run_host_build({primitives, count_of(primitives) - inactive, {}}, algorithm, {}, scratch, result);
+    });
 }
 
 }  // namespace clbvh::host

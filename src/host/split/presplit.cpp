@@ -18,6 +18,7 @@
 #include "clbvh/core/mesh_bounds.hpp"
 #include "core/check_field.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "core/prefix_sum.hpp"
 #include "host/split/config_rules.hpp"
 #include "host/top_down/subdivision.hpp"
@@ -235,7 +236,8 @@ PresplitMesh presplit(const MeshView& mesh, const PresplitConfig& config) {
     check_range("level", config.level, 1, host::kMaxPresplitLevel);
     check_range("triangle_budget", config.triangle_budget, 1.0f, 64.0f);
     static_cast<void>(check_mesh(mesh));
-    return with_memory_errors("the split mesh", [&] { return host::split(mesh, config); });
+    return with_memory_errors("the split mesh",
+                              [&] { return in_own_group([&] { return host::split(mesh, config); }); });
 }
 
 }  // namespace clbvh
