@@ -1,5 +1,6 @@
 #include "io/input_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -38,10 +39,14 @@ void InputFile::read(void* to, std::size_t bytes) {
     fail(path_, std::ferror(file_.get()) != 0 ? reason_of(errno) : "the file ends early");
 }
 
-std::string read_whole_file(const std::filesystem::path& path) {
+std::string read_whole_file(const std::filesystem::path& path, const std::function<void()>& tick) {
+    constexpr std::size_t kBytesPerTick = std::size_t{1} << 22U;
     InputFile file(path);
     std::string content(file.size(), '\0');
-    file.read(content.data(), content.size());
+    for (std::size_t place = 0; place < content.size(); place += kBytesPerTick) {
+        tick();
+        file.read(content.data() + place, std::min(kBytesPerTick, content.size() - place));
+    }
     return content;
 }
 

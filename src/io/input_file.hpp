@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -30,7 +31,8 @@ private:
     std::uint64_t size_ = 0;
 };
 
-/// The whole content of a file. Throws what InputFile throws.
-[[nodiscard]] std::string read_whole_file(const std::filesystem::path& path);
+/// The whole content of a file. Throws what InputFile throws, and what `tick` does, which is called every few MiB.
+[[nodiscard]] std::string read_whole_file(
+    const std::filesystem::path& path, const std::function<void()>& tick = [] {});
 
 }  // namespace clbvh::io

@@ -74,12 +74,16 @@ Mesh load_file(const std::filesystem::path& path, const LoadOptions& options) {
         std::ranges::find(kReaders, std::string_view(extension), &std::pair<std::string_view, Reader>::first);
     std::string text;
     if (reader != std::end(kReaders)) {
-        text = io::read_whole_file(path);
+        text = io::read_whole_file(path, [&] {
+            if (options.progress && !options.progress({"load", 0.0}))
+                throw Error(ErrorCode::cancelled, path.string() + ": loading was cancelled");
+        });
     } else {
         // A file that cannot be opened is reported as such, whatever its format.
         (void)io::InputFile(path);
     }
     io::MeshSink sink(path.string(), text.size(), options.progress);
+    if (options.max_bytes != 0) sink.max_bytes = options.max_bytes;
     reader != std::end(kReaders) ? reader->second(text, path, sink) : io::read_with_assimp(path, sink);
     if (options.report != nullptr) *options.report = sink.report;
     return std::move(sink.mesh);

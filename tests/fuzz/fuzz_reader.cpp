@@ -1,5 +1,5 @@
-// A fuzzer for one reader of mesh files: CLBVH_FUZZ_READER is its function, such as read_obj. Whatever the bytes are, the
-// reader makes a mesh whose indices are in range, or throws an Error.
+// A fuzzer for one reader of mesh files: CLBVH_FUZZ_READER is its function, such as read_obj. Whatever the bytes are,
+// the reader makes a mesh whose indices are in range, or throws an Error.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

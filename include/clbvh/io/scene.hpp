@@ -29,6 +29,9 @@ struct LoadReport {
 struct LoadOptions {
     ProgressCallback progress;     ///< Called now and then, with stage "load"; false throws Error(cancelled).
     LoadReport* report = nullptr;  ///< Where the report goes; null: nowhere.
+    /// Most bytes of the mesh where a file is small and the mesh need not be: glTF's instances. More is an
+    /// Error(out_of_memory). 0: half of the machine's memory.
+    std::uint64_t max_bytes = 0;
 };
 
 /// Loads a mesh from `scene`: a generated scene "gen:NAME[:COUNT[:SEED]]", where NAME may be NAME:PARAMETER for
@@ -36,7 +39,7 @@ struct LoadOptions {
 /// with assimp, to whatever else assimp reads. Polygons are cut into triangles; faces of fewer than three corners are
 /// skipped. Throws Error(io) naming the file and the line, byte or element at fault; Error(invalid_input) for an
 /// unknown generator, a malformed count or seed; Error(unsupported) for a format, or an extension of glTF, that this
-/// build cannot read; Error(cancelled).
+/// build cannot read; Error(cancelled); Error(out_of_memory).
 [[nodiscard]] CLBVH_IO_API Mesh load_scene(std::string_view scene, const LoadOptions& options = {});
 
 /// What a generator may be told beside count and seed.

@@ -138,11 +138,15 @@ private:
         meshes_.insert(placed.index);
         ++sink_.report.instances;
         std::map<std::string, std::uint32_t> placed_vertices;  // primitives often share them
+        const std::size_t first = sink_.mesh.triangles.size();
         for (std::size_t i = 0; i < primitives->size(); ++i) {
             const std::string where = place + ".primitives[" + std::to_string(i) + ']';
             if (!(*primitives)[i].is_object()) document_.fail(where, "it is no object");
             read_primitive((*primitives)[i], where, weights, placed.skin, to_world, placed_vertices);
         }
+        // The front of a mirrored triangle is where its corners run clockwise.
+        for (std::size_t i = first; to_world.mirrors() && i < sink_.mesh.triangles.size(); ++i)
+            std::swap(sink_.mesh.triangles[i][1], sink_.mesh.triangles[i][2]);
     }
 
     void read_primitive(const Json& primitive, const std::string& place, const std::vector<double>& weights,
@@ -166,6 +170,7 @@ private:
         if (const auto targets = primitive.find("targets"); targets != primitive.end()) key += targets->dump();
         const auto [known, is_new] = placed.try_emplace(key, 0);
         if (is_new) {
+            sink_.require_room(count, 0);
             known->second = static_cast<std::uint32_t>(sink_.mesh.vertices.size());
             for (const Position& point : points_of(primitive, *attributes, place, weights, skin)) {
                 const Position at = to_world(point);
@@ -261,6 +266,7 @@ private:
         if (sink_.mesh.triangles.size() + indices.size() > kMaxPrimitives)
             throw Error(ErrorCode::unsupported,
                         sink_.name() + ": too many triangles; the most are " + std::to_string(kMaxPrimitives));
+        sink_.require_room(0, mode == Mode::triangles ? indices.size() / 3 : indices.size());
         if (mode == Mode::triangle_strip) return sink_.add_strip(indices);
         if (mode == Mode::triangles && indices.size() % 3 != 0) {
             document_.fail(place, std::to_string(indices.size()) + " indices are no triangles: the number must be a " +

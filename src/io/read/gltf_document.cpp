@@ -157,15 +157,13 @@ std::vector<double> GltfDocument::numbers(const Json& object, const char* name, 
 
 void GltfDocument::load_buffers(const std::filesystem::path& folder) {
     const std::size_t buffers = count("buffers");
-    buffers_.resize(buffers);
     for (std::size_t i = 0; i < buffers; ++i) {
         const std::string place = at("buffers", i);
         const Json& buffer = element("buffers", i, "buffers");
         const std::uint64_t size = whole(buffer, "byteLength", place);
         const Json* const uri = find(buffer, "uri", Json::value_t::string, place);
         if (uri != nullptr) {
-            buffers_[i] = buffer_of(uri->get_ref<const std::string&>(), folder, place);
-            contents_.emplace_back(buffers_[i]);
+            contents_.push_back(buffer_of(uri->get_ref<const std::string&>(), folder, place));
         } else {
             contents_.push_back(i == 0 ? binary_ : std::string_view{});
         }
@@ -179,18 +177,21 @@ void GltfDocument::load_buffers(const std::filesystem::path& folder) {
     }
 }
 
-std::string GltfDocument::buffer_of(std::string_view uri, const std::filesystem::path& folder,
-                                    const std::string& place) const {
+std::string_view GltfDocument::buffer_of(std::string_view uri, const std::filesystem::path& folder,
+                                         const std::string& place) {
     if (uri.starts_with("data:")) {
         std::optional<std::string> bytes = decode_data_uri(uri);
         if (!bytes) fail(place + ".uri", "it is no data in base64");
-        return std::move(*bytes);
+        return buffers_.emplace_back(std::move(*bytes));
     }
     const std::optional<std::filesystem::path> path = relative_path_of(uri);
-    if (!path) fail(place + ".uri", quote(uri) + " is no file below the folder of this one");
+    if (!path || !lies_below(*path, folder))
+        fail(place + ".uri", quote(uri) + " is no file below the folder of this one");
+    if (const auto known = files_.find(*path); known != files_.end()) return known->second;
     try {
-        return read_whole_file(folder / *path);
+        return files_[*path] = buffers_.emplace_back(read_whole_file(folder / *path, [this] { sink_.tick_now(); }));
     } catch (const Error& error) {
+        if (error.code() == ErrorCode::cancelled) throw;
         fail(place + ".uri", error.what());
     }
 }

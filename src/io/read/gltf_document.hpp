@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -53,13 +55,14 @@ private:
     void parse(std::string_view json);
     void check_version_and_extensions() const;
     void load_buffers(const std::filesystem::path& folder);
-    [[nodiscard]] std::string buffer_of(std::string_view uri, const std::filesystem::path& folder,
-                                        const std::string& place) const;
+    [[nodiscard]] std::string_view buffer_of(std::string_view uri, const std::filesystem::path& folder,
+                                             const std::string& place);
 
     MeshSink& sink_;
     Json json_;
-    std::string_view binary_;           // the second chunk of a .glb file
-    std::vector<std::string> buffers_;  // those that are not binary_
+    std::string_view binary_;                                  // the second chunk of a .glb file
+    std::deque<std::string> buffers_;                          // those that are not binary_
+    std::map<std::filesystem::path, std::string_view> files_;  // of them: a file is read once
     std::vector<std::string_view> contents_;
 };
 

@@ -145,13 +145,21 @@ std::array<double, 3> Affine::operator()(const std::array<double, 3>& point) con
     return result;
 }
 
+bool Affine::mirrors() const {
+    const auto& [x, y, z] = rows;
+    const double determinant =
+        x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0]) + x[2] * (y[0] * z[1] - y[1] * z[0]);
+    return determinant < 0.0;
+}
+
 Affine affine_of(const std::array<double, 3>& translation, const std::array<double, 4>& rotation,
                  const std::array<double, 3>& scale) {
     const auto [x, y, z, w] = rotation;
+    const double squared = x * x + y * y + z * z + w * w, two = squared > 0.0 ? 2.0 / squared : 0.0;
     const std::array<std::array<double, 3>, 3> turned{
-        {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-         {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-         {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}}};
+        {{1 - two * (y * y + z * z), two * (x * y - z * w), two * (x * z + y * w)},
+         {two * (x * y + z * w), 1 - two * (x * x + z * z), two * (y * z - x * w)},
+         {two * (x * z - y * w), two * (y * z + x * w), 1 - two * (x * x + y * y)}}};
     Affine result;
     for (std::size_t row = 0; row < 3; ++row) {
         for (std::size_t column = 0; column < 3; ++column)

@@ -15,9 +15,12 @@ struct Affine {
     /// `inner` first, then `outer`.
     friend Affine operator*(const Affine& outer, const Affine& inner);
     [[nodiscard]] std::array<double, 3> operator()(const std::array<double, 3>& point) const;
+    /// Whether it turns left into right.
+    [[nodiscard]] bool mirrors() const;
 };
 
-/// The map of a translation, a rotation (quaternion x, y, z, w) and a scale, in this order from the outside.
+/// The map of a translation, a rotation (quaternion x, y, z, w, of any length) and a scale, in this order from the
+/// outside.
 [[nodiscard]] Affine affine_of(const std::array<double, 3>& translation, const std::array<double, 4>& rotation,
                                const std::array<double, 3>& scale);
 /// That of 16 numbers, column by column; the last row is left out.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <system_error>
 
 namespace clbvh::io {
 namespace {
@@ -72,6 +73,14 @@ std::optional<std::filesystem::path> relative_path_of(std::string_view uri) {
     const std::filesystem::path path = std::filesystem::path(decoded).lexically_normal();
     if (path.is_absolute() || path.empty() || *path.begin() == "..") return std::nullopt;
     return path;
+}
+
+bool lies_below(const std::filesystem::path& path, const std::filesystem::path& folder) {
+    std::error_code error;
+    const std::filesystem::path outer = std::filesystem::weakly_canonical(folder.empty() ? "." : folder, error);
+    if (error) return false;
+    const std::filesystem::path inner = std::filesystem::weakly_canonical(outer / path, error);
+    return !error && std::ranges::mismatch(outer, inner).in1 == outer.end();
 }
 
 }  // namespace clbvh::io

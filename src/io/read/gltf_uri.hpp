@@ -15,4 +15,7 @@ namespace clbvh::io {
 /// absolute, leaves the folder, or holds a zero byte.
 [[nodiscard]] std::optional<std::filesystem::path> relative_path_of(std::string_view uri);
 
+/// Whether that path, with all symbolic links followed, lies below the folder.
+[[nodiscard]] bool lies_below(const std::filesystem::path& path, const std::filesystem::path& folder);
+
 }  // namespace clbvh::io

@@ -1,5 +1,7 @@
 #include "io/read/mesh_sink.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -11,10 +13,24 @@ namespace {
 
 constexpr std::size_t kBytesPerTick = std::size_t{1} << 18U;
 
+std::uint64_t half_of_memory() {
+    const long pages = sysconf(_SC_PHYS_PAGES), page_bytes = sysconf(_SC_PAGE_SIZE);
+    if (pages <= 0 || page_bytes <= 0) return std::uint64_t{1} << 32U;
+    return static_cast<std::uint64_t>(pages) / 2 * static_cast<std::uint64_t>(page_bytes);
+}
+
 }  // namespace
 
 MeshSink::MeshSink(std::string name, std::size_t size, ProgressCallback progress)
-    : name_(std::move(name)), size_(size), progress_(std::move(progress)) {}
+    : max_bytes(half_of_memory()), name_(std::move(name)), size_(size), progress_(std::move(progress)) {}
+
+void MeshSink::require_room(std::uint64_t vertices, std::uint64_t triangles) const {
+    const std::uint64_t bytes =
+        (mesh.vertices.size() + vertices) * sizeof(Vec3) + (mesh.triangles.size() + triangles) * sizeof(Triangle);
+    if (bytes <= max_bytes) return;
+    throw Error(ErrorCode::out_of_memory, name_ + ": the mesh needs more than " + std::to_string(max_bytes) +
+                                              " bytes with all its instances; LoadOptions::max_bytes is the limit");
+}
 
 MeshSink::Content MeshSink::take_content() {
     bytes_ = next_ = 0;

@@ -24,6 +24,10 @@ public:
     };
     Mesh mesh;
     LoadReport report;
+    std::uint64_t max_bytes;  ///< Of the mesh; half of the machine's memory unless said otherwise.
+
+    /// Throws Error(out_of_memory) where so much more would be more than `max_bytes`.
+    void require_room(std::uint64_t vertices, std::uint64_t triangles) const;
 
     /// Hands it over, and begins anew.
     [[nodiscard]] Content take_content();
@@ -49,6 +53,9 @@ public:
     void tick_item() {
         if (++items_ % kItemsPerTick == 0) tell();
     }
+
+    /// The same where each call stands for much work.
+    void tick_now() { tell(); }
 
     /// Throws Error(io) with the file's name.
     [[noreturn]] void fail(const std::string& what) const;

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "clbvh/core/error.hpp"
@@ -15,24 +14,30 @@
 namespace clbvh::io {
 namespace {
 
-/// Takes an index, which may be missing, off the front of a face's corner.
-std::optional<std::int32_t> take_index(std::string_view& corner) {
-    std::int32_t value = 0;
-    const auto [end, error] = std::from_chars(corner.data(), corner.data() + corner.size(), value);
-    if (error != std::errc{}) return std::nullopt;
-    corner.remove_prefix(static_cast<std::size_t>(end - corner.data()));
-    return value;
+/// A vertex's index, which is never zero.
+std::optional<std::int32_t> parse_index(std::string_view word) {
+    const std::optional<std::int64_t> index = parse_whole(word);
+    if (!index || *index == 0 || *index != static_cast<std::int32_t>(*index)) return std::nullopt;
+    return static_cast<std::int32_t>(*index);
+}
+
+/// Whether a word could be an index, of whatever size.
+bool is_signed_digits(std::string_view word) {
+    if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
+    return !word.empty() && word.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
 /// The vertex index of a face's corner: v, v/vt, v//vn or v/vt/vn, of which what stands behind v may be empty.
 std::optional<std::int32_t> parse_corner(std::string_view corner) {
-    const std::optional<std::int32_t> vertex = take_index(corner);
-    if (!vertex || *vertex == 0) return std::nullopt;
-    for (int field = 1; field <= 2 && corner.starts_with('/'); ++field) {
-        corner.remove_prefix(1);
-        take_index(corner);
+    std::size_t end = corner.find('/');
+    const std::string_view vertex = corner.substr(0, end);
+    for (int field = 1; end != std::string_view::npos; ++field) {
+        corner.remove_prefix(end + 1);
+        end = corner.find('/');
+        const std::string_view other = corner.substr(0, end);
+        if (field > 2 || !(other.empty() || is_signed_digits(other))) return std::nullopt;
     }
-    return corner.empty() ? vertex : std::nullopt;
+    return parse_index(vertex);
 }
 
 class ObjScanner {
@@ -48,7 +53,7 @@ public:
             sink_.tick(lines_.place());
             std::string_view line = lines_.take();
             line_number_ = lines_.number();
-            if (line.ends_with('\\')) line = take_continued(line);
+            if (take_backslash(line)) line = take_continued(line);
             scan_line(line.substr(0, line.find('#')));
         }
         check_forward_references();
@@ -62,13 +67,23 @@ private:
         std::int32_t index;
     };
 
+    /// Whether the next line continues this one; the backslash that says so is taken off. A comment ends with its line:
+    /// names of folders, which stand there, end with a backslash, too.
+    static bool take_backslash(std::string_view& line) {
+        const std::size_t last = line.find_last_not_of(" \t");
+        if (last == std::string_view::npos || line[last] != '\\' || line.find('#') != std::string_view::npos)
+            return false;
+        line = line.substr(0, last);
+        return true;
+    }
+
     /// The line with those that continue it.
     std::string_view take_continued(std::string_view line) {
         joined_.clear();
-        while (line.ends_with('\\')) {
-            joined_.append(line.substr(0, line.size() - 1)).push_back(' ');
+        do {
+            joined_.append(line).push_back(' ');
             line = lines_.at_end() ? std::string_view{} : lines_.take();
-        }
+        } while (take_backslash(line));
         joined_.append(line);
         return joined_;
     }

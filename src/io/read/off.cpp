@@ -85,6 +85,8 @@ private:
             if (!value) fail(quote(word) + " is not a coordinate");
             values[i] = *value;
         }
+        if (values[3] == 0.0)
+            fail("vertex " + std::to_string(vertex_) + " lies infinitely far: its fourth number is 0");
         sink_.add_vertex({static_cast<float>(values[0] / values[3]), static_cast<float>(values[1] / values[3]),
                           static_cast<float>(values[2] / values[3])});
     }

@@ -67,7 +67,8 @@ public:
         for (words = take_words(); !is_word(words, "end_header"); words = take_words())
             parse_declaration(words);
         for (const PlyElement& element : header_.elements) {
-            if (element.properties.empty()) fail("element \"" + element.name + "\" has no property");
+            if (element.properties.empty() && element.count > 0)
+                fail("element \"" + element.name + "\" has no property");
         }
         header_.body = position_;
         return std::move(header_);
@@ -77,17 +78,21 @@ private:
     static bool is_word(const std::vector<std::string_view>& words, std::string_view word) {
         return words.size() == 1 && words[0] == word;
     }
-    /// Those of the next line that is no comment.
+    /// Those of the next line that is neither empty nor a comment.
     std::vector<std::string_view> take_words() {
         while (true) {
             std::vector<std::string_view> words = split_words(take_line());
-            if (words.empty() || (words[0] != "comment" && words[0] != "obj_info")) return words;
+            if (!words.empty() && words[0] != "comment" && words[0] != "obj_info") return words;
         }
     }
 
+    /// A file whose first line ends with CR alone has such lines throughout.
     std::string_view take_line() {
-        ++line_number_;
-        const std::size_t end = file_.find('\n', position_);
+        if (line_number_++ == 0) {
+            const std::size_t end = std::min(file_.find_first_of("\r\n", position_), file_.size());
+            if (end < file_.size() && !file_.substr(end).starts_with("\r\n")) line_end_ = file_[end];
+        }
+        const std::size_t end = file_.find(line_end_, position_);
         if (end == std::string_view::npos) fail("the header has no end");
         std::string_view line = file_.substr(position_, end - position_);
         position_ = end + 1;
@@ -149,6 +154,7 @@ private:
     std::unordered_set<std::string_view> names_;
     std::size_t position_ = 0;
     std::uint64_t line_number_ = 0;
+    char line_end_ = '\n';
     PlyHeader header_;
 };
 

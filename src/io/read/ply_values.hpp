@@ -88,7 +88,7 @@ public:
 
     /// Most items of so many numbers that can still come: a digit and a space a number.
     [[nodiscard]] std::uint64_t room_for(std::size_t values, std::size_t /*bytes*/) const {
-        return (file_.size() - position_ + 1) / (2 * values);
+        return (file_.size() - position_ + 1) / std::max<std::size_t>(1, 2 * values);
     }
 
     [[nodiscard]] std::string where() const {

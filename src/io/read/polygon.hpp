@@ -10,7 +10,7 @@ namespace clbvh::io {
 
 /// How a polygon was cut into triangles.
 enum class PolygonCut : std::uint8_t {
-    clean,  ///< Without overlaps, where the polygon has none.
+    clean,  ///< All triangles turn as the polygon does, and so cover no more than its area.
     fan,    ///< Its triangles may overlap, some in a fan: it intersects itself, holds a NaN, or took too much work.
 };
 

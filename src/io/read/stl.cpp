@@ -94,11 +94,14 @@ public:
 
 private:
     void take(std::string_view word, std::string_view& line) {
+        // The normal is of no interest; some files have words there.
+        is_in_normal_ = is_in_normal_ && !is_keyword(word, "outer") && !is_keyword(word, "vertex");
+        if (is_in_normal_ && !is_keyword(word, "endfacet")) return;
         if (is_keyword(word, "facet")) {
             if (is_open_) fail("a facet within a facet");
             is_open_ = true;
+            is_in_normal_ = true;
             corners_.clear();
-            line = {};  // the normal
         } else if (is_keyword(word, "vertex")) {
             if (!is_open_) fail("a vertex outside a facet");
             corners_.push_back(take_vertex(line));
@@ -129,7 +132,7 @@ private:
 
     Lines lines_;
     MeshSink& sink_;
-    bool is_open_ = false;
+    bool is_open_ = false, is_in_normal_ = false;
     std::vector<std::uint32_t> corners_;
 };
 

@@ -1,6 +1,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -341,4 +342,40 @@ TEST_CASE("a chain of many glTF nodes is gone along") {
     const Mesh loaded = load(square().embedded(R"("nodes":[)" + nodes + R"({"mesh":0}],)" + mesh(R"(,"indices":1)")));
     REQUIRE(loaded.triangles.size() == 2);
     CHECK(loaded.vertices[0] == Vec3{20000, 0, 0});
+}
+
+TEST_CASE("triangles that a glTF node mirrors keep their front outside, and rotations need not be of length one") {
+    const std::string mirrored = R"("nodes":[{"mesh":0,"scale":[-1,1,1]}],)",
+                      far = R"("nodes":[{"mesh":0,"rotation":[0,0,9,0]}],)";
+    const std::vector<Vec3> corners = corners_of(load(square().embedded(mirrored + mesh(R"(,"indices":1)"))));
+    CHECK(std::vector<Vec3>(corners.begin(), corners.begin() + 3) ==
+          std::vector<Vec3>{{0, 0, 0}, {-1, 1, 0}, {-1, 0, 0}});
+    CHECK(load(square().embedded(far + mesh(R"(,"indices":1)"))).vertices[2] == Vec3{-1, -1, 0});
+}
+
+TEST_CASE("instances beyond the limit of memory are refused before they are made") {
+    std::string nodes = R"("nodes":[{"mesh":0})";
+    for (int i = 0; i < 999; ++i)
+        nodes += R"(,{"mesh":0})";
+    const std::string text = square().embedded(nodes + "]," + mesh(R"(,"indices":1)"));
+    const TempFolder folder;
+    const std::string path = folder.write("many.gltf", text);
+    LoadOptions options;
+    options.max_bytes = 1000 * (4 * sizeof(Vec3) + 2 * sizeof(Triangle));
+    CHECK(load_scene(path, options).triangles.size() == 2000);
+    --options.max_bytes;
+    expect_error(ErrorCode::out_of_memory, {path, "LoadOptions::max_bytes"}, [&] { (void)load_scene(path, options); });
+}
+
+TEST_CASE("a glTF buffer behind a symbolic link that leaves the folder is not read") {
+    const Gltf gltf = square();
+    const TempFolder folder;
+    const TempFolder other;
+    const std::string outside = other.write("buffer.bin", gltf.bytes());
+    std::filesystem::create_symlink(outside, folder.path("link.bin"));
+    std::filesystem::create_symlink(other.path(""), folder.path("links"));
+    for (const std::string uri : {"link.bin", "links/buffer.bin"}) {
+        const std::string path = folder.write("a.gltf", gltf.json(mesh(R"(,"indices":1)"), R"(,"uri":")" + uri + '"'));
+        expect_error(ErrorCode::io, {path, "below the folder"}, [&] { (void)load_scene(path); });
+    }
 }

@@ -201,3 +201,19 @@ TEST_CASE("a binary file is no OBJ file") {
     const std::string path = folder.write("mesh.obj", std::string_view("v 0 0 0\n\0\1\2", 11));
     expect_error(ErrorCode::io, {path, "not an OBJ file"}, [&] { (void)load_scene(path); });
 }
+
+TEST_CASE("a backslash at the end of an OBJ comment continues nothing") {
+    const std::vector<Triangle> expected{{0, 1, 2}};
+    const Mesh mesh = load("# C:\\scenes\\\nv 0 0 0\nv 1 0 0 # D:\\\nv 1 1 0\nf 1 2 3 # \\\n");
+    CHECK(mesh.vertices == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
+    CHECK(mesh.triangles == expected);
+    // Blanks may follow one that does.
+    CHECK(load("v 0 0 \\ \t\n0\nv 1 0 0\nv 1 1 0\nf 1 \\  \r\n2 3").triangles == expected);
+}
+
+TEST_CASE("OBJ indices may have plus signs, and those that are not needed any size") {
+    CHECK(load(kSquare + "f +1 +2 +3\n").triangles == std::vector<Triangle>{{0, 1, 2}});
+    CHECK(load(kSquare + "f 1/99999999999/0 2//+4294967296 3/-2147483649\n").triangles.size() == 1);
+    expect_io_error(kSquare + "f 1/+ 2 3\n", "line 5", "\"1/+\"");
+    expect_io_error(kSquare + "f 1 2 +-3\n", "line 5", "\"+-3\"");
+}

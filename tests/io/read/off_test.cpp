@@ -88,3 +88,8 @@ TEST_CASE("malformed OFF files are reported with their line") {
     expect_io("OFF\n4 1 0\n" + kSquare + "5 0 1 2\n", {"line 7", "a face of 5 corners has 3"});
     expect_io("OFF\n4 1 0\n" + kSquare + "three 0 1 2\n", {"line 7", "\"three\" is not a count of corners"});
 }
+
+TEST_CASE("an OFF vertex that lies infinitely far is refused") {
+    expect_failure(ErrorCode::io, "4OFF\n3 1 0\n2 0 0 2\n0 3 0 0\n0 0 1 1\n3 0 1 2\n",
+                   {"line 4", "vertex 1", "infinitely"});
+}

@@ -267,3 +267,11 @@ TEST_CASE("PLY headers without the needed elements are refused") {
         "property float x\nproperty float y\nproperty float z\nend_header\n3 0 1 2\n0 0 0 1 0 0 1 1 0\n",
         {"before element \"vertex\""});
 }
+
+TEST_CASE("a PLY header may have empty lines, lines that end with CR alone, and elements of nothing") {
+    std::string text =
+        with(plain_ply("ascii", kCorners, {{0, 1, 2}}), "element vertex", "\nelement none 0\nelement vertex");
+    CHECK(load(text).triangles.size() == 1);
+    std::ranges::replace(text, '\n', '\r');
+    CHECK(load(text).vertices == kCorners);
+}

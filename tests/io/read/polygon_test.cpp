@@ -176,3 +176,31 @@ TEST_CASE("cutting a large polygon can be cancelled") {
     }
     CHECK_THROWS_AS(io::append_polygon(corners, mesh, [] { throw Cancelled(); }), Cancelled);
 }
+
+TEST_CASE("a clean cut covers no more than the polygon, whatever the polygon") {
+    // Small grids, so that corners meet corners and edges, and edges fold back.
+    std::mt19937 random(11);
+    const auto below = [&](unsigned end) { return static_cast<unsigned>(random() % end); };
+    int clean = 0, wrong = 0;
+    for (int round = 0; round < 50000; ++round) {
+        Mesh mesh;
+        const unsigned corners = 3 + below(10), side = 2 + below(8);
+        for (unsigned i = 0; i < corners; ++i)
+            mesh.vertices.push_back({static_cast<float>(below(side)), static_cast<float>(below(side)), 0.0f});
+        std::vector<std::uint32_t> indices(corners);
+        std::iota(indices.begin(), indices.end(), 0U);
+        const PolygonCut result = io::append_polygon(indices, mesh);
+        double sum = 0.0, covered = 0.0;
+        for (const Triangle& triangle : mesh.triangles) {
+            sum += turned(mesh, triangle);
+            covered += std::abs(turned(mesh, triangle));
+        }
+        // Areas of whole numbers are exact.
+        wrong += mesh.triangles.size() != corners - 2 || sum != turned(mesh) ? 1 : 0;
+        if (result == PolygonCut::fan) continue;
+        ++clean;
+        wrong += covered != std::abs(sum) ? 1 : 0;
+    }
+    CHECK(wrong == 0);
+    CHECK(clean > 10000);
+}

@@ -112,3 +112,10 @@ TEST_CASE("malformed STL files are reported with their line, or what is missing"
     for (std::size_t size = 84; size < text.size(); size += 7)
         expect_io_error(text.substr(0, size), {"promises 3 triangles", "is it truncated?"});
 }
+
+TEST_CASE("an ASCII STL facet may stand in one line") {
+    const Mesh mesh = load(
+        "solid\nfacet normal x y z outer loop vertex 0 0 0 vertex 1 0 0\nvertex 0 1 0 endloop endfacet\n"
+        "facet outer loop vertex 0 0 0 vertex 0 1 0 vertex 0 0 1 endloop endfacet endsolid\n");
+    CHECK(corners_of(mesh) == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+}
