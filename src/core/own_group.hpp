@@ -23,7 +23,7 @@ auto in_own_group(const Work& work) {
         std::optional<Result> result;
         tbb::parallel_for(
             0, 1, [&](int) { result.emplace(work()); }, group);
-        return Result(std::move(*result));
+        return *std::move(result);
     }
 }
 

@@ -9,17 +9,13 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "core/random.hpp"
+#include "eval/double3.hpp"
 
 namespace clbvh {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
-using Double3 = std::array<double, 3>;
-
-Double3 difference(const Vec3& a, const Vec3& b) {
-    return {static_cast<double>(a.x) - b.x, static_cast<double>(a.y) - b.y, static_cast<double>(a.z) - b.z};
-}
-
 /// Half the length of the cross product of two edges, whose parts are scaled so that none overflows or vanishes.
 double area_of(const Corners& corners) {
     Double3 a = difference(corners[1], corners[0]), b = difference(corners[2], corners[0]);
@@ -33,8 +29,8 @@ double area_of(const Corners& corners) {
         for (double& part : *edge)
             part /= largest;
     }
-    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-    return 0.5 * std::hypot(x, y, z) * largest * largest;
+    const Double3 normal = cross(a, b);
+    return 0.5 * std::hypot(normal[0], normal[1], normal[2]) * largest * largest;
 }
 
 template <typename Predicate>
@@ -59,10 +55,8 @@ Key key_of(const Corners& corners) {
 
 std::uint64_t hash_of(const Key& key) {
     std::uint64_t hash = 0;
-    for (const std::uint32_t word : key) {
-        hash = (hash ^ word) * 0x9E3779B97F4A7C15U;
-        hash ^= hash >> 32U;
-    }
+    for (const std::uint32_t word : key)
+        hash = Random(hash ^ word).bits();
     return hash;
 }
 

@@ -1,27 +1,21 @@
 #include "clbvh/eval/surface.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "clbvh/core/vector.hpp"
+#include "eval/double3.hpp"
 
 namespace clbvh {
 namespace {
 
 constexpr float kOffset = 0x1p-18f;
 
-using Double3 = std::array<double, 3>;
-
-Double3 difference(const Vec3& a, const Vec3& b) {
-    return {static_cast<double>(a.x) - b.x, static_cast<double>(a.y) - b.y, static_cast<double>(a.z) - b.z};
-}
-
 /// In double precision: in float32 the product of two short edges would vanish. Its scale is of no matter.
 Vec3 triangle_normal(const Vec3& v0, const Vec3& v1, const Vec3& v2) {
     const Double3 a = difference(v1, v0);
     const Double3 b = difference(v2, v0);
-    const Double3 n{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    const Double3 n = cross(a, b);
     const double largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
     if (largest == 0.0) return {};
     return normalized(

@@ -11,6 +11,7 @@
 #include "core/check_field.hpp"
 #include "core/exact_areas.hpp"
 #include "core/memory_errors.hpp"
+#include "core/own_group.hpp"
 #include "host/build/emit_tree.hpp"
 
 namespace clbvh::host {
@@ -132,7 +133,7 @@ Bvh collapse(const Bvh& tree, const CollapseConfig& config) {
     return with_memory_errors("the merging of leaves", [&] {
         Scratch scratch;
         Bvh result;
-        host::collapse(tree, config, scratch, result);
+        in_own_group([&] { host::collapse(tree, config, scratch, result); });
         return result;
     });
 }

@@ -18,6 +18,7 @@
 #include "io/read/off.hpp"
 #include "io/read/ply.hpp"
 #include "io/read/stl.hpp"
+#include "io/read/words.hpp"
 #include "io/scene_generator.hpp"
 
 namespace clbvh {
@@ -45,13 +46,6 @@ std::uint64_t parse_number(std::string_view text, const std::string& what, std::
                                               (large ? "too large" : "not a whole number"));
 }
 
-std::string lower_case(std::string text) {
-    for (char& c : text) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
-    return text;
-}
-
 /// The readers of this library. Each takes a whole file.
 using Reader = void (*)(std::string_view text, const std::filesystem::path& path, io::MeshSink& sink);
 
@@ -69,7 +63,8 @@ constexpr std::pair<std::string_view, Reader> kReaders[] = {
 };
 
 Mesh load_file(const std::filesystem::path& path, const LoadOptions& options) {
-    const std::string extension = lower_case(path.extension().string());
+    std::string extension = path.extension().string();
+    std::ranges::transform(extension, extension.begin(), io::lower_case);
     const auto* const reader =
         std::ranges::find(kReaders, std::string_view(extension), &std::pair<std::string_view, Reader>::first);
     std::string text;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "clbvh/core/error.hpp"
+#include "core/own_group.hpp"
 #include "core/primitive_access.hpp"
 #include "core/tree_walk.hpp"
 #include "core/view_form.hpp"
@@ -103,11 +104,13 @@ std::optional<std::uint32_t> find_depth(const Bvh& bvh) {
 std::uint32_t check_tree(const Bvh& bvh, const MeshView& mesh) {
     check_form(mesh);
     check_count(bvh, mesh);
-    if (may_have_wrong_primitive(bvh, mesh)) name_primitive(bvh, mesh);
-    if (bvh.empty()) return 0;
-    const std::optional<std::uint32_t> depth = find_depth(bvh);
-    if (!depth) name_node_with_fault(bvh);
-    return *depth;
+    return in_own_group([&]() -> std::uint32_t {
+        if (may_have_wrong_primitive(bvh, mesh)) name_primitive(bvh, mesh);
+        if (bvh.empty()) return 0;
+        const std::optional<std::uint32_t> depth = find_depth(bvh);
+        if (!depth) name_node_with_fault(bvh);
+        return *depth;
+    });
 }
 
 }  // namespace clbvh::layout

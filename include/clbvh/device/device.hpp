@@ -50,6 +50,7 @@ struct PlatformFault {
 
 /// All devices of all platforms, in the loader's order. Empty where there is none, or the library was built without
 /// OpenCL. A driver that fails is passed over, and told of in `faults` where that is given, so that it hides no other.
+/// Throws Error(device_failure) where OpenCL's loader itself fails.
 [[nodiscard]] CLBVH_API std::vector<DeviceInfo> list_devices(std::vector<PlatformFault>* faults = nullptr);
 
 /// Picks a device. `selector` is an index into list_devices(), a type ("gpu", "cpu", "accelerator"), or a part of a

@@ -110,9 +110,8 @@ std::string advice(const std::vector<PlatformFault>& faults) {
                 ", cannot be written, without which some drivers offer nothing; ";
     }
     return text +
-           "install a driver: pocl-opencl-icd for the CPU (apt-get install pocl-opencl-icd), or your GPU vendor's "
-           "OpenCL "
-           "package; clinfo lists what the system sees";
+           "install a driver: pocl-opencl-icd for the CPU (apt-get install pocl-opencl-icd), or that of your GPU's "
+           "vendor; clinfo lists what the system sees";
 }
 
 DeviceInfo default_device(const std::vector<DeviceInfo>& devices) {

@@ -20,6 +20,7 @@ namespace {
 
 /// assimp's own triangulation is not used: it follows indices blindly, and loses parts of concave polygons.
 void append_part(const aiMesh& part, const aiMatrix4x4& transform, MeshSink& sink) {
+    sink.require_room(part.mNumVertices, part.mNumFaces);
     const auto base = static_cast<std::uint32_t>(sink.mesh.vertices.size());
     for (const aiVector3D& vertex : std::span(part.mVertices, part.mNumVertices)) {
         const aiVector3D placed = transform * vertex;

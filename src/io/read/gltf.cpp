@@ -16,6 +16,7 @@
 #include "io/read/gltf_accessor.hpp"
 #include "io/read/gltf_document.hpp"
 #include "io/read/gltf_nodes.hpp"
+#include "io/read/words.hpp"
 
 namespace clbvh::io {
 namespace {
@@ -54,7 +55,7 @@ private:
     };
 
     void read_node(std::uint32_t index) {
-        const std::string place = "nodes[" + std::to_string(index) + ']';
+        const std::string place = gltf_place("nodes", index);
         const Json& node = document_.element("nodes", index, place);
         if (!node.contains("mesh")) return;
         PlacedMesh mesh{document_.whole(node, "mesh", place), {}, nullptr};
@@ -107,7 +108,7 @@ private:
 
     [[nodiscard]] Skin read_skin(std::uint64_t index, const std::string& from) const {
         const Json& skin = document_.element("skins", index, from);
-        const std::string place = "skins[" + std::to_string(index) + ']';
+        const std::string place = gltf_place("skins", index);
         const Json* const joints = document_.find(skin, "joints", Json::value_t::array, place);
         if (joints == nullptr) document_.fail(place, "\"joints\" is missing");
         std::optional<GltfValues> inverses;
@@ -128,7 +129,7 @@ private:
 
     void place_mesh(const PlacedMesh& placed, const Affine& to_world) {
         const Json& mesh = document_.element("meshes", placed.index, "a node");
-        const std::string place = "meshes[" + std::to_string(placed.index) + ']';
+        const std::string place = gltf_place("meshes", placed.index);
         const Json* const primitives = document_.find(mesh, "primitives", Json::value_t::array, place);
         if (primitives == nullptr) document_.fail(place, "\"primitives\" is missing");
         std::vector<double> weights = placed.weights;
@@ -140,7 +141,7 @@ private:
         std::map<std::string, std::uint32_t> placed_vertices;  // primitives often share them
         const std::size_t first = sink_.mesh.triangles.size();
         for (std::size_t i = 0; i < primitives->size(); ++i) {
-            const std::string where = place + ".primitives[" + std::to_string(i) + ']';
+            const std::string where = place + '.' + gltf_place("primitives", i);
             if (!(*primitives)[i].is_object()) document_.fail(where, "it is no object");
             read_primitive((*primitives)[i], where, weights, placed.skin, to_world, placed_vertices);
         }
@@ -162,7 +163,7 @@ private:
         const Json* const attributes = document_.find(primitive, "attributes", Json::value_t::object, place);
         if (attributes == nullptr || !attributes->contains("POSITION")) return;  // as the format says
         const std::uint64_t positions = document_.whole(*attributes, "POSITION", place);
-        const std::string accessor = "accessors[" + std::to_string(positions) + ']';
+        const std::string accessor = gltf_place("accessors", positions);
         const std::size_t count = document_.whole(document_.element("accessors", positions, place), "count", accessor);
         // All that the places of vertices depend on.
         std::string key = std::to_string(positions);
@@ -185,21 +186,21 @@ private:
     [[nodiscard]] std::vector<Position> points_of(const Json& primitive, const Json& attributes,
                                                   const std::string& place, const std::vector<double>& weights,
                                                   const Skin* skin) {
-        GltfValues values = positions_of(document_.whole(attributes, "POSITION", place), place);
+        const GltfValues& base = positions_of(document_.whole(attributes, "POSITION", place), place);
+        std::vector<Position> points(base.count);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            points[i] = {base.numbers[3 * i], base.numbers[3 * i + 1], base.numbers[3 * i + 2]};
         const Json* const targets = document_.find(primitive, "targets", Json::value_t::array, place);
         for (std::size_t i = 0; targets != nullptr && i < std::min(targets->size(), weights.size()); ++i) {
             const Json& target = (*targets)[i];
-            const std::string where = place + ".targets[" + std::to_string(i) + ']';
+            const std::string where = place + '.' + gltf_place("targets", i);
             if (!target.is_object() || !target.contains("POSITION") || weights[i] == 0.0) continue;
             const GltfValues moves =
                 read_accessor(document_, document_.whole(target, "POSITION", where), "VEC3", where);
-            if (moves.count != values.count) document_.fail(where, "it has another number of vertices");
-            for (std::size_t k = 0; k < values.numbers.size(); ++k)
-                values.numbers[k] += weights[i] * moves.numbers[k];
+            if (moves.count != points.size()) document_.fail(where, "it has another number of vertices");
+            for (std::size_t k = 0; k < moves.numbers.size(); ++k)
+                points[k / 3][k % 3] += weights[i] * moves.numbers[k];
         }
-        std::vector<Position> points(values.count);
-        for (std::size_t i = 0; i < points.size(); ++i)
-            points[i] = {values.numbers[3 * i], values.numbers[3 * i + 1], values.numbers[3 * i + 2]};
         if (skin != nullptr) apply(*skin, attributes, place, points);
         return points;
     }
@@ -252,7 +253,7 @@ private:
         for (std::size_t i = 0; i < values.count; ++i) {
             const double index = values.numbers[i];
             if (!(index >= 0.0 && index < static_cast<double>(vertices) && index == std::floor(index))) {
-                document_.fail(place + ".indices", "element " + std::to_string(i) + ": vertex " + Json(index).dump() +
+                document_.fail(place + ".indices", "element " + std::to_string(i) + ": vertex " + number_text(index) +
                                                        " does not exist; there are " + std::to_string(vertices));
             }
             result.push_back(static_cast<std::uint32_t>(index));

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "io/read/words.hpp"
+
 namespace clbvh::io {
 namespace {
 
@@ -55,7 +57,7 @@ public:
     AccessorReader(const GltfDocument& document, std::uint64_t index, const char* type, const std::string& from)
         : document_(document),
           accessor_(document.element("accessors", index, from)),
-          place_("accessors[" + std::to_string(index) + ']') {
+          place_(gltf_place("accessors", index)) {
         const Json* const given = document.find(accessor_, "type", Json::value_t::string, place_);
         if (given == nullptr || *given != type) {
             document.fail(from,
@@ -99,7 +101,7 @@ private:
         const GltfDocument::Bytes found = document_.view(view, place);
         stride = found.stride != 0 ? found.stride : bytes;
         if (stride < bytes) {
-            document_.fail(place, "bufferViews[" + std::to_string(view) + "].byteStride is " + std::to_string(stride) +
+            document_.fail(place, gltf_place("bufferViews", view) + ".byteStride is " + std::to_string(stride) +
                                       ", less than the " + std::to_string(bytes) + " bytes of an element");
         }
         if (count == 0) return found.bytes.data();
@@ -155,7 +157,7 @@ private:
         for (std::uint64_t i = 0; i < count; ++i) {
             const double index = load(type, index_begin + i * index_stride, false);
             if (!(index >= 0.0 && index < static_cast<double>(values_.count) && index == std::floor(index))) {
-                document_.fail(place + ".indices", "element " + Json(index).dump() + " does not exist; there are " +
+                document_.fail(place + ".indices", "element " + number_text(index) + " does not exist; there are " +
                                                        std::to_string(values_.count));
             }
             for (std::size_t c = 0; c < values_.components; ++c) {

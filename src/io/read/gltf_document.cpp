@@ -3,23 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 #include "clbvh/core/error.hpp"
 #include "io/input_file.hpp"
 #include "io/read/gltf_uri.hpp"
+#include "io/read/little_endian.hpp"
 #include "io/read/words.hpp"
 
 namespace clbvh::io {
 namespace {
 
 constexpr int kMostDepth = 100;  // of JSON within JSON: a file that is deeper is none of glTF
-
-std::uint32_t little_endian_at(std::string_view text, std::size_t at) {
-    std::array<unsigned char, 4> bytes{};
-    std::memcpy(bytes.data(), text.data() + at, bytes.size());
-    return bytes[0] | std::uint32_t{bytes[1]} << 8U | std::uint32_t{bytes[2]} << 16U | std::uint32_t{bytes[3]} << 24U;
-}
 
 /// What a file may require because it changes no triangle, or because it is read here.
 bool is_known(std::string_view extension) {
@@ -31,11 +25,11 @@ bool is_known(std::string_view extension) {
            std::ranges::any_of(kOfSurfaces, [&](std::string_view start) { return extension.starts_with(start); });
 }
 
-std::string at(const char* name, std::uint64_t index) {
-    return std::string(name) + '[' + std::to_string(index) + ']';
-}
-
 }  // namespace
+
+std::string gltf_place(const char* array, std::uint64_t index) {
+    return std::string(array) + '[' + std::to_string(index) + ']';
+}
 
 GltfDocument::GltfDocument(std::string_view text, const std::filesystem::path& folder, MeshSink& sink) : sink_(sink) {
     constexpr std::size_t kHeaderBytes = 12, kChunkBytes = 8;
@@ -44,15 +38,15 @@ GltfDocument::GltfDocument(std::string_view text, const std::filesystem::path& f
         parse(without_byte_order_mark(text));
     } else {
         if (text.size() < kHeaderBytes + kChunkBytes) fail("the header", "the file ends early");
-        if (const std::uint32_t version = little_endian_at(text, 4); version != 2)
+        if (const std::uint32_t version = little_endian_word(text, 4); version != 2)
             fail("the header", "version " + std::to_string(version) + " of GLB; only 2 is read");
-        if (little_endian_at(text, 8) > text.size()) {
-            fail("the header", "it promises " + std::to_string(little_endian_at(text, 8)) +
+        if (little_endian_word(text, 8) > text.size()) {
+            fail("the header", "it promises " + std::to_string(little_endian_word(text, 8)) +
                                    " bytes, but the file has " + std::to_string(text.size()) + ": is it truncated?");
         }
         for (std::size_t place = kHeaderBytes; place + kChunkBytes <= text.size();) {
-            const std::size_t bytes = little_endian_at(text, place);
-            const std::uint32_t type = little_endian_at(text, place + 4);
+            const std::size_t bytes = little_endian_word(text, place);
+            const std::uint32_t type = little_endian_word(text, place + 4);
             const std::string name = "the chunk at byte " + std::to_string(place);
             place += kChunkBytes;
             if (bytes > text.size() - place) fail(name, "it ends behind the file");
@@ -111,10 +105,10 @@ const GltfDocument::Json* GltfDocument::find(const Json& object, const char* nam
 const GltfDocument::Json& GltfDocument::element(const char* name, std::uint64_t index, const std::string& from) const {
     const std::size_t size = count(name);
     if (index >= size) {
-        fail(from, at(name, index) + " does not exist; the file has " + std::to_string(size));
+        fail(from, gltf_place(name, index) + " does not exist; the file has " + std::to_string(size));
     }
     const Json& result = json_[name][index];
-    if (!result.is_object()) fail(at(name, index), "it is no object");
+    if (!result.is_object()) fail(gltf_place(name, index), "it is no object");
     return result;
 }
 
@@ -158,7 +152,7 @@ std::vector<double> GltfDocument::numbers(const Json& object, const char* name, 
 void GltfDocument::load_buffers(const std::filesystem::path& folder) {
     const std::size_t buffers = count("buffers");
     for (std::size_t i = 0; i < buffers; ++i) {
-        const std::string place = at("buffers", i);
+        const std::string place = gltf_place("buffers", i);
         const Json& buffer = element("buffers", i, "buffers");
         const std::uint64_t size = whole(buffer, "byteLength", place);
         const Json* const uri = find(buffer, "uri", Json::value_t::string, place);
@@ -198,14 +192,14 @@ std::string_view GltfDocument::buffer_of(std::string_view uri, const std::filesy
 
 GltfDocument::Bytes GltfDocument::view(std::uint64_t index, const std::string& from) const {
     const Json& view = element("bufferViews", index, from);
-    const std::string place = at("bufferViews", index);
+    const std::string place = gltf_place("bufferViews", index);
     const std::uint64_t buffer = whole(view, "buffer", place);
     static_cast<void>(element("buffers", buffer, place));
     const std::string_view content = contents_[buffer];
     const std::uint64_t offset = whole(view, "byteOffset", place, 0), size = whole(view, "byteLength", place);
     if (offset > content.size() || size > content.size() - offset) {
         fail(place, "it ends at byte " + std::to_string(offset) + " + " + std::to_string(size) + ", but " +
-                        at("buffers", buffer) + " has " + std::to_string(content.size()));
+                        gltf_place("buffers", buffer) + " has " + std::to_string(content.size()));
     }
     return {content.substr(offset, size), whole(view, "byteStride", place, 0)};
 }

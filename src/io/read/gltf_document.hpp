@@ -15,6 +15,9 @@
 
 namespace clbvh::io {
 
+/// The place of an element of an array of the file, for errors: "nodes[3]".
+[[nodiscard]] std::string gltf_place(const char* array, std::uint64_t index);
+
 /// A glTF 2.0 file taken apart: its JSON, and the bytes of its buffers. Every access is checked, and what is wrong is
 /// an Error(io) that names the file and the place, such as "accessors[3].count".
 class GltfDocument {

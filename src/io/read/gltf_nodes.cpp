@@ -11,10 +11,6 @@ using Json = GltfDocument::Json;
 
 constexpr std::uint32_t kNoParent = 0xFFFFFFFFU;
 
-std::string place_of(std::uint64_t node) {
-    return "nodes[" + std::to_string(node) + ']';
-}
-
 template <std::size_t Size>
 std::array<double, Size> array_of(const std::vector<double>& numbers, const std::array<double, Size>& missing) {
     std::array<double, Size> result = missing;
@@ -23,7 +19,7 @@ std::array<double, Size> array_of(const std::vector<double>& numbers, const std:
 }
 
 Affine local_map(const GltfDocument& document, std::uint64_t index) {
-    const std::string place = place_of(index);
+    const std::string place = gltf_place("nodes", index);
     const Json& node = document.element("nodes", index, place);
     const std::vector<double> matrix = document.numbers(node, "matrix", 16, place);
     if (!matrix.empty()) {
@@ -57,11 +53,13 @@ public:
     explicit NodePlacer(const GltfDocument& document)
         : document_(document), count_(document.count("nodes")), parents_(count_, kNoParent), children_(count_) {
         for (std::uint32_t node = 0; node < count_; ++node) {
-            children_[node] = node_list(document, document.element("nodes", node, "nodes"), "children", place_of(node));
+            children_[node] =
+                node_list(document, document.element("nodes", node, "nodes"), "children", gltf_place("nodes", node));
             for (const std::uint32_t child : children_[node]) {
                 if (parents_[child] != kNoParent) {
-                    document.fail(place_of(child),
-                                  "it is a child of " + place_of(parents_[child]) + " and of " + place_of(node));
+                    document.fail(gltf_place("nodes", child), "it is a child of " +
+                                                                  gltf_place("nodes", parents_[child]) + " and of " +
+                                                                  gltf_place("nodes", node));
                 }
                 parents_[child] = node;
             }
@@ -82,7 +80,7 @@ public:
             for (const std::uint32_t node : all)
                 is_reached[node] = true;
             const auto lost = std::ranges::find(is_reached, false) - is_reached.begin();
-            document_.fail(place_of(static_cast<std::uint64_t>(lost)), "it is its own ancestor");
+            document_.fail(gltf_place("nodes", static_cast<std::uint64_t>(lost)), "it is its own ancestor");
         }
         for (const std::uint32_t node : all) {
             const Affine local = local_map(document_, node);
@@ -99,7 +97,7 @@ private:
         const std::size_t scenes = document_.count("scenes");
         const std::uint64_t scene = document_.whole(document_.root(), "scene", "the file", 0);
         if (scenes == 0) return roots;
-        const std::string place = "scenes[" + std::to_string(scene) + ']';
+        const std::string place = gltf_place("scenes", scene);
         return node_list(document_, document_.element("scenes", scene, "scene"), "nodes", place);
     }
 

@@ -52,7 +52,7 @@ std::uint32_t MeshSink::add_vertex(const Vec3& vertex) {
 void MeshSink::add_face(std::span<const std::uint32_t> corners) {
     if (corners.size() < 3) return skip_face();
     ++report.faces;
-    if (append_polygon(corners, mesh, [this] { tell(); }) == PolygonCut::fan) ++report.overlapping_fans;
+    if (append_polygon(corners, mesh, [this] { tick_now(); }) == PolygonCut::fan) ++report.overlapping_fans;
 }
 
 void MeshSink::skip_face() {
@@ -77,10 +77,10 @@ void MeshSink::tick(std::size_t bytes) {
     bytes_ = bytes;
     if (bytes < next_) return;
     next_ = bytes + kBytesPerTick;
-    tell();
+    tick_now();
 }
 
-void MeshSink::tell() {
+void MeshSink::tick_now() {
     if (!progress_) return;
     const double fraction = static_cast<double>(bytes_) / static_cast<double>(std::max<std::size_t>(size_, 1));
     fraction_ = std::clamp(fraction, fraction_, 1.0);  // it never falls

@@ -51,19 +51,16 @@ public:
     void tick(std::size_t bytes);
     /// The same where nothing is read: called for each of many items.
     void tick_item() {
-        if (++items_ % kItemsPerTick == 0) tell();
+        if (++items_ % kItemsPerTick == 0) tick_now();
     }
-
     /// The same where each call stands for much work.
-    void tick_now() { tell(); }
+    void tick_now();
 
     /// Throws Error(io) with the file's name.
     [[noreturn]] void fail(const std::string& what) const;
 
 private:
     static constexpr std::size_t kItemsPerTick = 4096;
-
-    void tell();
 
     std::string name_;
     std::size_t size_, bytes_ = 0, next_ = 0, items_ = 0;

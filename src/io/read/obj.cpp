@@ -6,7 +6,6 @@
 #include <tiny_obj_loader.h>
 
 #include <cstdint>
-#include <exception>
 #include <sstream>
 #include <string>
 #include <utility>

@@ -1,6 +1,7 @@
 #include "io/read/obj_scan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
@@ -99,15 +100,9 @@ private:
 
     /// Words after the third are a weight or a colour, and of no interest.
     void scan_vertex(std::string_view words) {
-        float coordinates[3];
-        for (float& coordinate : coordinates) {
-            const std::string_view word = take_word(words);
-            if (word.empty()) fail("a vertex needs three coordinates");
-            const std::optional<double> value = parse_number(word);
-            if (!value) fail(quote(word) + " is not a coordinate");
-            coordinate = static_cast<float>(*value);
-        }
-        sink_.add_vertex({coordinates[0], coordinates[1], coordinates[2]});
+        std::array<double, 3> at{};
+        if (const std::string fault = take_coordinates(words, at); !fault.empty()) fail(fault);
+        sink_.add_vertex({static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2])});
     }
 
     void scan_face(std::string_view words) {

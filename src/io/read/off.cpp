@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,32 +13,39 @@
 namespace clbvh::io {
 namespace {
 
+constexpr const char* kMissing = "needs more coordinates";
+
 class OffReader {
 public:
     OffReader(std::string_view text, MeshSink& sink) : text_(text), lines_(text), sink_(sink) {}
 
     void read() {
-        std::string_view line = take_line("the header");
+        std::string_view line = take_line([] { return "the header"; });
         take_name(line);
         const std::uint64_t vertices = take_count(line, "vertices"), faces = take_count(line, "faces");
         check_room(vertices, "vertices");
         check_room(faces, "faces");
         for (vertex_ = 0; vertex_ < vertices; ++vertex_)
-            read_vertex(take_line("vertex " + std::to_string(vertex_) + " of " + std::to_string(vertices)));
+            read_vertex(take_line([&] { return name_of("vertex", vertex_, vertices); }));
         for (std::uint64_t face = 0; face < faces; ++face)
-            read_face(take_line("face " + std::to_string(face) + " of " + std::to_string(faces)));
+            read_face(take_line([&] { return name_of("face", face, faces); }));
     }
 
 private:
-    /// The next line that says something, without its comment.
-    std::string_view take_line(const std::string& what) {
+    static std::string name_of(const char* kind, std::uint64_t number, std::uint64_t count) {
+        return std::string(kind) + ' ' + std::to_string(number) + " of " + std::to_string(count);
+    }
+
+    /// The next line that says something, without its comment. what() is asked for its name where there is none.
+    template <typename What>
+    std::string_view take_line(const What& what) {
         while (!lines_.at_end()) {
             sink_.tick(lines_.place());
             std::string_view line = lines_.take();
             line = line.substr(0, line.find('#'));
             if (line.find_first_not_of(" \t\v\f") != std::string_view::npos) return line;
         }
-        fail("the file ends before " + what);
+        fail(std::string("the file ends before ") + what());
     }
 
     /// Takes the variant's name, [ST][C][N][4][n]OFF, and leaves the line of the counts.
@@ -59,7 +67,7 @@ private:
         std::string_view behind = rest;
         const std::string_view word = take_word(behind);
         if (word == "BINARY") refuse("binary OFF is");
-        line = word.empty() ? take_line("the counts") : rest;
+        line = word.empty() ? take_line([] { return "the counts"; }) : rest;
     }
 
     std::uint64_t take_count(std::string_view& line, const std::string& what) {
@@ -78,13 +86,9 @@ private:
 
     void read_vertex(std::string_view line) {
         std::array<double, 4> values{0.0, 0.0, 0.0, 1.0};
-        for (std::size_t i = 0; i < (has_weights_ ? 4U : 3U); ++i) {
-            const std::string_view word = take_word(line);
-            if (word.empty()) fail("vertex " + std::to_string(vertex_) + " needs more coordinates");
-            const std::optional<double> value = parse_number(word);
-            if (!value) fail(quote(word) + " is not a coordinate");
-            values[i] = *value;
-        }
+        const std::string fault = take_coordinates(line, std::span(values).first(has_weights_ ? 4 : 3), kMissing);
+        if (fault == kMissing) fail("vertex " + std::to_string(vertex_) + ' ' + fault);
+        if (!fault.empty()) fail(fault);
         if (values[3] == 0.0)
             fail("vertex " + std::to_string(vertex_) + " lies infinitely far: its fourth number is 0");
         sink_.add_vertex({static_cast<float>(values[0] / values[3]), static_cast<float>(values[1] / values[3]),

@@ -153,8 +153,8 @@ private:
 
     std::uint32_t vertex_number(double index) const {
         if (!is_whole(index) || index >= static_cast<double>(mesh_.vertices.size())) {
-            fail("vertex " + number(index) + " does not exist; the file has " + std::to_string(mesh_.vertices.size()) +
-                 ", counted from 0");
+            fail("vertex " + number_text(index) + " does not exist; the file has " +
+                 std::to_string(mesh_.vertices.size()) + ", counted from 0");
         }
         return static_cast<std::uint32_t>(index);
     }
@@ -188,7 +188,7 @@ private:
 
     std::uint64_t take_count(PlyType type) {
         const double count = take(type);
-        if (!is_whole(count)) fail("a list of " + number(count) + " entries");
+        if (!is_whole(count)) fail("a list of " + number_text(count) + " entries");
         return static_cast<std::uint64_t>(count);
     }
 
@@ -200,11 +200,6 @@ private:
 
     /// A whole number that fits 32 bits.
     static bool is_whole(double value) { return value >= 0.0 && value <= 4294967295.0 && value == std::floor(value); }
-
-    static std::string number(double value) {
-        return value == std::floor(value) && std::abs(value) < 1e15 ? std::to_string(static_cast<std::int64_t>(value))
-                                                                    : std::to_string(value);
-    }
 
     [[noreturn]] void fail(const std::string& what) const {
         sink_.fail(element_->name + " " + std::to_string(item_) + " (" + values_.where() + "): " + what);

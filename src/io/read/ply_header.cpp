@@ -62,9 +62,8 @@ public:
         const std::string_view first = file_.substr(position_, file_.find('\n', position_) - position_);
         if (!first.starts_with("ply")) fail_at(1, "not a PLY file: the first line is not \"ply\"");
         if (!is_word(split_words(take_line()), "ply")) fail("not a PLY file: the first line is not \"ply\"");
-        std::vector<std::string_view> words = take_words();
-        parse_format(words);
-        for (words = take_words(); !is_word(words, "end_header"); words = take_words())
+        parse_format(take_words());
+        for (auto words = take_words(); !is_word(words, "end_header"); words = take_words())
             parse_declaration(words);
         for (const PlyElement& element : header_.elements) {
             if (element.properties.empty() && element.count > 0)
@@ -108,7 +107,7 @@ private:
     }
 
     void parse_declaration(const std::vector<std::string_view>& words) {
-        const std::string_view keyword = words.empty() ? std::string_view{} : words[0];
+        const std::string_view keyword = words[0];
         if (keyword == "element") return parse_element(words);
         if (keyword == "property") return parse_property(words);
         fail("unknown keyword " + quote(keyword));

@@ -83,7 +83,7 @@ public:
     /// Why the last take() gave nothing.
     [[nodiscard]] std::string failure() const {
         if (position_ == file_.size()) return "the file ends here";
-        return '"' + std::string(word().substr(0, 40)) + "\" is not a number";
+        return quote(word()) + " is not a number";
     }
 
     /// Most items of so many numbers that can still come: a digit and a space a number.

@@ -160,9 +160,7 @@ private:
     std::vector<std::uint32_t> next_;
 };
 
-/// Cuts ears off a polygon (Meisters, Polygons have ears, 1975) until a triangle, or no ear, is left. Cutting an ear
-/// changes whether its two neighbours are ears, and nothing else: so that each corner is tested about three times, and
-/// a grid finds what could lie in an ear.
+/// Cuts ears off a polygon until a triangle, or no ear, is left.
 class EarClipper {
 public:
     EarClipper(const PolygonPlane& plane, Mesh& mesh, const std::function<void()>& tick)

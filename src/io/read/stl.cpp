@@ -4,10 +4,10 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <cstring>
-#include <optional>
 #include <string>
+#include <vector>
 
+#include "io/read/little_endian.hpp"
 #include "io/read/words.hpp"
 
 namespace clbvh::io {
@@ -15,18 +15,8 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 84, kCountAt = 80, kFacetBytes = 50, kNormalBytes = 12;
 
-std::uint32_t little_endian_word(std::string_view text, std::size_t at) {
-    std::array<unsigned char, 4> bytes{};
-    std::memcpy(bytes.data(), text.data() + at, bytes.size());
-    return bytes[0] | std::uint32_t{bytes[1]} << 8U | std::uint32_t{bytes[2]} << 16U | std::uint32_t{bytes[3]} << 24U;
-}
-
-char lower(char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
 bool is_keyword(std::string_view word, std::string_view keyword) {
-    return std::ranges::equal(word, keyword, {}, lower);
+    return std::ranges::equal(word, keyword, {}, lower_case);
 }
 
 /// Text begins with "solid" and holds no zero byte where a facet would stand; a binary file may begin so as well.
@@ -42,10 +32,8 @@ bool is_ascii(std::string_view text) {
 
 void read_binary(std::string_view text, MeshSink& sink) {
     if (text.size() < kHeaderBytes) {
-        sink.fail(
-            "neither ASCII STL, which begins with \"solid\", nor binary STL, whose header has 84 bytes: this file "
-            "has " +
-            std::to_string(text.size()));
+        sink.fail("neither ASCII STL, which begins with \"solid\", nor binary STL, whose header has 84 bytes: this " +
+                  ("file has " + std::to_string(text.size())));
     }
     const std::uint64_t facets = little_endian_word(text, kCountAt);
     const std::uint64_t room = (text.size() - kHeaderBytes) / kFacetBytes;
@@ -115,15 +103,9 @@ private:
     }
 
     std::uint32_t take_vertex(std::string_view& line) {
-        std::array<float, 3> coordinates{};
-        for (float& coordinate : coordinates) {
-            const std::string_view word = take_word(line);
-            if (word.empty()) fail("a vertex needs three coordinates");
-            const std::optional<double> value = parse_number(word);
-            if (!value) fail(quote(word) + " is not a coordinate");
-            coordinate = static_cast<float>(*value);
-        }
-        return sink_.add_vertex({coordinates[0], coordinates[1], coordinates[2]});
+        std::array<double, 3> at{};
+        if (const std::string fault = take_coordinates(line, at); !fault.empty()) fail(fault);
+        return sink_.add_vertex({static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2])});
     }
 
     [[noreturn]] void fail(const std::string& what) const {

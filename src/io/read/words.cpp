@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <system_error>
 
 namespace clbvh::io {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\v\f";
+bool is_blank(char c) noexcept {
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+}
 
 /// Without a plus sign in front; a second sign makes it no number.
 std::string_view without_plus(std::string_view word) noexcept {
@@ -20,10 +21,10 @@ std::string_view without_plus(std::string_view word) noexcept {
 }  // namespace
 
 std::string_view take_word(std::string_view& line) noexcept {
-    line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
-    const std::size_t length = std::min(line.find_first_of(kBlanks), line.size());
-    const std::string_view word = line.substr(0, length);
-    line.remove_prefix(length);
+    const auto begin = std::ranges::find_if_not(line, is_blank);
+    const auto end = std::find_if(begin, line.end(), is_blank);
+    const std::string_view word(begin, end);
+    line = std::string_view(end, line.end());
     return word;
 }
 
@@ -53,6 +54,22 @@ std::string quote(std::string_view word) {
     return '"' + std::string(word.substr(0, 40)) + '"';
 }
 
+std::string number_text(double number) {
+    const bool is_whole = number == std::floor(number) && std::abs(number) < 1e15;
+    return is_whole ? std::to_string(static_cast<std::int64_t>(number)) : std::to_string(number);
+}
+
+std::string take_coordinates(std::string_view& line, std::span<double> coordinates, const char* missing) {
+    for (double& coordinate : coordinates) {
+        const std::string_view word = take_word(line);
+        if (word.empty()) return missing;
+        const std::optional<double> value = parse_number(word);
+        if (!value) return quote(word) + " is not a coordinate";
+        coordinate = *value;
+    }
+    return {};
+}
+
 std::string_view without_byte_order_mark(std::string_view text) noexcept {
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     return text;
@@ -63,7 +80,9 @@ bool is_utf16(std::string_view text) noexcept {
 }
 
 std::string_view Lines::take() noexcept {
-    const std::size_t end = std::min(text_.find_first_of("\r\n", place_), text_.size());
+    std::size_t end = place_;
+    while (end < text_.size() && text_[end] != '\n' && text_[end] != '\r')
+        ++end;
     const std::string_view line = text_.substr(place_, end - place_);
     place_ = end;
     if (text_.substr(place_).starts_with("\r\n")) ++place_;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,18 @@ std::string_view take_word(std::string_view& line) noexcept;
 
 /// The beginning of a word in quotes, for errors.
 [[nodiscard]] std::string quote(std::string_view word);
+/// A number for errors: without a fraction where it has none.
+[[nodiscard]] std::string number_text(double number);
+
+/// Takes the next numbers off the front of `line`. Returns what is wrong where one is missing (`missing`) or is none;
+/// empty where all is well.
+[[nodiscard]] std::string take_coordinates(std::string_view& line, std::span<double> coordinates,
+                                           const char* missing = "a vertex needs three coordinates");
+
+/// The letter in lower case, where it is one of ASCII.
+[[nodiscard]] constexpr char lower_case(char c) noexcept {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
 
 /// The text behind a byte order mark of UTF-8, if there is one.
 [[nodiscard]] std::string_view without_byte_order_mark(std::string_view text) noexcept;

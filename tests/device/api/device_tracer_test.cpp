@@ -1,6 +1,9 @@
 // Rays from host memory: the host tracer's hits and counts, bit for bit, whatever the tree.
 #include "clbvh/device/device_tracer.hpp"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
+
 #include <catch2/catch.hpp>
 
 #include "clbvh/io/scene.hpp"
@@ -57,6 +60,24 @@ struct Chain {
 
 }  // namespace
 
+TEST_CASE("a device tracer checks its tree within a group of tasks that is cancelled, too") {
+    const Mesh mesh = load_scene("gen:soup:40000");
+    const Bvh tree = built_tree("median", mesh);
+    Bvh wrong = tree;
+    wrong.primitive_ids.back() = 4000000000U;
+    DeviceTracer tracer(shared_context());
+    tbb::task_group_context group;
+    tbb::parallel_for(
+        0, 1,
+        [&](int) {
+            group.cancel_group_execution();
+            CHECK_NOTHROW(tracer.set_scene(tree, mesh));
+            expect_error(ErrorCode::invalid_input, {"primitive 4000000000 is out of range"},
+                         [&] { tracer.set_scene(wrong, mesh); });
+        },
+        group);
+}
+
 TEST_CASE("device tracer: hits and counts are the host tracer's, for every generated scene") {
     for (const SceneGeneratorInfo& scene : scene_generators()) {
         const Mesh mesh = generate_scene(scene.name, 2000);
@@ -79,7 +100,7 @@ TEST_CASE("device tracer: trees with leaves of several triangles, with split one
     one_leaf.primitive_count = mesh.triangles.size();
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
         one_leaf.primitive_ids.push_back(i);
-    Node root = build(mesh, "median").nodes[0];
+    Node root = built_tree("median", mesh).nodes[0];
     root.first = 0;
     root.count = static_cast<std::uint32_t>(mesh.triangles.size());
     one_leaf.nodes = {root, Node{}};
@@ -144,7 +165,7 @@ TEST_CASE("device tracer: more rays than are on the device at a time, and scenes
     std::vector<Ray> rays;
     while (rays.size() < (std::size_t{1} << 20) + 5000)
         rays.insert(rays.end(), some.begin(), some.end());
-    const Bvh bvh = build(mesh, "median");
+    const Bvh bvh = built_tree("median", mesh);
     DeviceTracer tracer(shared_context());
     tracer.set_scene(bvh, mesh);
     check_same(found_by_device(tracer, rays), found_by_host(bvh, mesh, TriangleTest::watertight, rays));
@@ -170,7 +191,7 @@ TEST_CASE("device tracer: options out of range are refused") {
 
 TEST_CASE("device tracer: what is wrong with a scene of the host, or with spans, is named") {
     const Mesh mesh = random_triangles(10);
-    const Bvh bvh = build(mesh, "median");
+    const Bvh bvh = built_tree("median", mesh);
     DeviceTracer tracer(shared_context());
     std::vector<Ray> rays(3);
     std::vector<Hit> hits(3);

@@ -6,19 +6,12 @@
 #include <string_view>
 #include <vector>
 
-#include "clbvh/io/scene.hpp"
-#include "io/temp_folder.hpp"
-#include "support/expect_error.hpp"
+#include "io/read/read_file.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
 
 namespace {
-
-template <typename T>
-std::string bytes_of(const T& value) {
-    return {reinterpret_cast<const char*>(&value), sizeof value};
-}
 
 std::string base64(const std::string& bytes) {
     constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -87,25 +80,11 @@ std::string mesh(const std::string& primitive) {
 const std::string kShown = R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)";
 
 Mesh load(const std::string& text, LoadReport* report = nullptr, std::string_view name = "scene.gltf") {
-    const TempFolder folder;
-    return load_scene(folder.write(name, text), {{}, report});
+    return load_text(name, text, report);
 }
 
 void expect_failure(ErrorCode code, const std::string& text, const std::vector<std::string>& parts) {
-    const TempFolder folder;
-    const std::string path = folder.write("scene.gltf", text);
-    INFO(text.substr(0, 1000));
-    for (const std::string& part : parts)
-        expect_error(code, {path, part}, [&] { (void)load_scene(path); });
-}
-
-std::vector<Vec3> corners_of(const Mesh& mesh) {
-    std::vector<Vec3> corners;
-    for (const Triangle& triangle : mesh.triangles) {
-        for (const std::uint32_t corner : triangle)
-            corners.push_back(mesh.vertices.at(corner));
-    }
-    return corners;
+    expect_refused(code, "scene.gltf", text, parts);
 }
 
 const std::vector<Vec3> kSquare{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};

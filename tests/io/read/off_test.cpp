@@ -3,9 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "clbvh/io/scene.hpp"
-#include "io/temp_folder.hpp"
-#include "support/expect_error.hpp"
+#include "io/read/read_file.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -13,16 +11,11 @@ using namespace clbvh::test;
 namespace {
 
 Mesh load(const std::string& text, LoadReport* report = nullptr) {
-    const TempFolder folder;
-    return load_scene(folder.write("mesh.off", text), {{}, report});
+    return load_text("mesh.off", text, report);
 }
 
 void expect_failure(ErrorCode code, const std::string& text, const std::vector<std::string>& parts) {
-    const TempFolder folder;
-    const std::string path = folder.write("mesh.off", text);
-    INFO(text);
-    for (const std::string& part : parts)
-        expect_error(code, {path, part}, [&] { (void)load_scene(path); });
+    expect_refused(code, "mesh.off", text, parts);
 }
 
 const std::string kSquare = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";

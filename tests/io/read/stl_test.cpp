@@ -4,9 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "clbvh/io/scene.hpp"
-#include "io/temp_folder.hpp"
-#include "support/expect_error.hpp"
+#include "io/read/read_file.hpp"
 
 using namespace clbvh;
 using namespace clbvh::test;
@@ -14,26 +12,16 @@ using namespace clbvh::test;
 namespace {
 
 Mesh load(const std::string& text, LoadReport* report = nullptr) {
-    const TempFolder folder;
-    return load_scene(folder.write("mesh.STL", text), {{}, report});
+    return load_text("mesh.STL", text, report);
 }
 
 void expect_io_error(const std::string& text, const std::vector<std::string>& parts) {
-    const TempFolder folder;
-    const std::string path = folder.write("mesh.stl", text);
-    INFO(text);
-    for (const std::string& part : parts)
-        expect_error(ErrorCode::io, {path, part}, [&] { (void)load_scene(path); });
+    expect_refused(ErrorCode::io, "mesh.stl", text, parts);
 }
 
 std::string facet(const std::string& a, const std::string& b, const std::string& c) {
     return "facet normal 0 0 1\n outer loop\n  vertex " + a + "\n  vertex " + b + "\n  vertex " + c +
            "\n endloop\nendfacet\n";
-}
-
-template <typename T>
-std::string bytes_of(const T& value) {
-    return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
 /// A binary file of `count` triangles; corner k of triangle i is (i, k, 0.5).
@@ -45,15 +33,6 @@ std::string binary(std::string header, std::uint32_t count) {
         text += bytes_of(std::array<float, 12>{0, 0, 1, x, 0, 0.5f, x, 1, 0.5f, x, 2, 0.5f}) + std::string(2, '\0');
     }
     return text;
-}
-
-std::vector<Vec3> corners_of(const Mesh& mesh) {
-    std::vector<Vec3> corners;
-    for (const Triangle& triangle : mesh.triangles) {
-        for (const std::uint32_t corner : triangle)
-            corners.push_back(mesh.vertices.at(corner));
-    }
-    return corners;
 }
 
 }  // namespace
